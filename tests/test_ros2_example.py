@@ -6,7 +6,6 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -184,13 +183,3 @@ def test_the_node_streams_messages() -> None:
     node.callbacks["~/joint_states"](SimpleNamespace(name=["feed"], position=[800.0]))
     assert [level for level, _ in node.said] == ["info", "error", "warning", "error"]
     assert "out_of_reach" in node.said[2][1]
-
-
-def test_the_package_can_be_built() -> None:
-    root = ElementTree.parse(PACKAGE / "package.xml").getroot()
-    assert root.findtext("name") == PACKAGE.name
-    assert (PACKAGE / "resource" / PACKAGE.name).exists()
-    compile((PACKAGE / "setup.py").read_text(encoding="utf-8"), "setup.py", "exec")
-    compile((PACKAGE / "launch" / "arm.launch.py").read_text(encoding="utf-8"), "arm.launch.py", "exec")
-    depends = {each.text for each in root.findall("exec_depend")}
-    assert {name.partition(".")[0] for name in MESSAGES} <= depends

@@ -116,12 +116,3 @@ def test_a_name_of_no_segment_is_refused_and_the_nearest_is_said() -> None:
     refused(
         "fields['segments[elbw].radius']", lambda: sn.studies.sweep(NAMED, {"segments[elbw].radius": [1]}), "or one of"
     )
-
-
-def test_numbers_that_are_no_position_are_refused_as_a_whole() -> None:
-    refused("target", lambda: sn.solve(NAMED, (1, 2)), "a position of 3 numbers, a pose (4, 4), a Target")
-    refused("target", lambda: sn.solve(NAMED, (1, 2, 3, 4)), "not 3 numbers; ")
-    place: Any = (0, 0, 150)
-    refused("targets", lambda: sn.track(NAMED, place), "a list of targets")
-    wrong: Any = "room.yaml"
-    refused("scene", lambda: sn.solve(NAMED, place, wrong), "a list of obstacles", "sinuous.load reads files")

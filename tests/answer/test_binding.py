@@ -32,15 +32,6 @@ def test_a_direction_is_held_by_all_bends_alone() -> None:
     assert sorted(named(solution)) == [("bend", k, None) for k in (1, 2, 3)]
 
 
-def test_curvature_is_told_from_bend() -> None:
-    robot = sn.Robot.uniform(2, 1.0, 3.0, max_curvature=0.4)
-    solution = sn.solve(robot, sn.Target(direction=(0, 0, -1)))
-    assert sorted(named(solution)) == [(kind, k, None) for kind in ("curvature", "length") for k in (1, 2)]
-    assert solution.binding[0].constraint == "curvature"
-    assert solution.binding[0].value == pytest.approx(0.4)
-    assert solution.binding[0].limit == 0.4
-
-
 def test_the_tendon_that_binds_is_named_and_its_opposite_too() -> None:
     robot = sn.Robot.uniform(1, (0.9, 1.1), 3.0, tendons=sn.Tendons(4, 0.1, displacement=(-0.1, 0.1)))
     solution = sn.solve(robot, sn.Target(direction=(np.sin(1.3), 0, np.cos(1.3))))

@@ -39,14 +39,6 @@ def test_the_pull_is_the_slope_of_the_residual(seed: int, kind: int) -> None:
     assert not residual.met
 
 
-def test_what_is_met_does_not_pull() -> None:
-    q = np.array([[0.3, 0.1, 0.7], [-0.5, 0.2, 0.8], [0.1, 0.9, 0.6]])
-    tip = ROBOT.tip(q)
-    residual = residual_of(Problem(ROBOT, Target(tip[:3, 3], rotation=tip[:3, :3])), q)
-    assert residual.met
-    np.testing.assert_allclose(residual.value, 0.0, atol=1e-12)
-
-
 def directions(seed: int) -> tuple[Floats, Floats]:
     pair = np.random.default_rng(seed).normal(size=(2, 3))
     one, other = pair / np.linalg.norm(pair, axis=1, keepdims=True)

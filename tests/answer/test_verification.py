@@ -73,11 +73,6 @@ def test_a_body_that_runs_through_itself_is_found_and_named() -> None:
     assert str(worst) == f"{whom}, {worst.amount:.3g} too near, {worst.place}"
 
 
-def test_it_may_run_through_itself_where_that_is_allowed() -> None:
-    check = verification.verify(through_itself("allow"), CURLED)
-    assert (check.ok, check.self_clearance, check.self_segments) == (True, np.inf, None)
-
-
 ARM = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
 BALL = sn.Sphere((0.0, 0.0, 2.0), 0.3, name="ball")
 SHAPES = np.random.default_rng(0).uniform((-0.9, -0.9, 0.7), (0.9, 0.9, 1.2), (2, 4, 3, 3))
@@ -90,17 +85,6 @@ def test_one_shape_is_judged_as_a_solution_is() -> None:
     found = sn.check(ARM, SHAPES[0, 1], [BALL], problem.targets, tolerance=sn.Tolerance(0.1, 0.2))
     assert found == verification.verify(problem, SHAPES[0, 1])
     assert sn.check(ARM, SHAPES[0, 0].tolist(), targets=TARGET).position_error < 1e-12
-
-
-def test_without_targets_limits_and_clearance_remain() -> None:
-    straight = np.tile([0.0, 0.0, 1.0], (3, 1))
-    assert sn.check(ARM, straight).ok
-    through = sn.check(ARM, straight, [BALL])
-    assert (through.ok, through.obstacle, through.position_error) == (False, "ball", 0.0)
-    assert through.clearance == pytest.approx(-0.4)
-    long = sn.check(ARM, straight * 1.3)
-    assert (long.ok, long.obstacle) == (False, None)
-    assert long.excess == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize("scene", [None, [BALL]])

@@ -1,7 +1,6 @@
 """A keyword that is not known is refused in a line, wherever it is given, and costs nothing where it is right."""
 
 import inspect
-import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -51,12 +50,3 @@ def test_every_noun_and_verb_refuses_what_it_does_not_have(name: str, public: An
 )
 def test_the_name_that_was_meant_is_said(call: Callable[[], Any], key: str, words: str) -> None:
     refused(key, call, words)
-
-
-def test_a_type_error_within_stays_what_it_is() -> None:
-    with pytest.raises(TypeError, match="missing 1 required positional argument: 'length'"):
-        CALLED.Segment()
-
-
-def test_verbs_can_be_pickled() -> None:
-    assert pickle.loads(pickle.dumps(sn.solve)) is sn.solve

@@ -153,22 +153,6 @@ def test_pickles_come_back_equal(name: str, protocol: int) -> None:
     assert_equal(pickle.loads(pickle.dumps(noun, protocol)), noun)
 
 
-@with_each("name", NOUNS)
-def test_copies_are_the_same(name: str) -> None:
-    noun = NOUNS[name]()
-    assert copy.copy(noun) is noun
-    assert copy.deepcopy(noun) is noun
-
-
-def test_memory_of_somebody_else_is_read_only_and_tables_are_copied_from_it() -> None:
-    buffers: list[pickle.PickleBuffer] = []
-    content = pickle.dumps(TARGET, 5, buffer_callback=buffers.append)
-    again = pickle.loads(content, buffers=[bytes(buffer.raw()) for buffer in buffers])
-    assert_equal(again, TARGET)
-    assert again._table.flags.writeable
-    assert not again.table.flags.writeable
-
-
 EQUAL = [name for name in NOUNS if name != "solution"]
 
 
@@ -221,25 +205,3 @@ def test_copies_of_a_solver_solve_the_same() -> None:
     target, robot = pickle.loads(pickle.dumps((TARGET, ROBOT)))
     parts = sn.Solver(robot, pickle.loads(pickle.dumps(SCENE)), prefer=sn.Preferences(bends=1.0), seed=3)
     assert parts.solve(target).q.tobytes() == found.q.tobytes()
-
-
-def test_copies_of_solutions_and_tracks_say_the_same() -> None:
-    for again in copies(solution()):
-        assert str(again.status) == "solved"
-        assert again.verify() == solution().verify()
-        assert not again.q.flags.writeable
-    stuck = sn.Solver(ROBOT, SCENE).solve(sn.Target((0, 0, 9)))
-    for again in copies(stuck):
-        assert (again.reason, again.worst, str(again)) == (stuck.reason, stuck.worst, str(stuck))
-    track = sn.track(ROBOT, [TARGET, TARGET], SCENE)
-    for again in copies(track):
-        assert again.to_dict() == track.to_dict()
-        assert not again.solutions[1].q.flags.writeable
-
-
-def test_a_copy_of_a_scene_goes_on_by_itself() -> None:
-    points = np.array([[3.0, 0.0, 1.0]])
-    for again in copies(SCENE):
-        again.update([[9.0, 9.0, 9.0]], 0.1)
-        assert again.distance(points) > 1.0
-        assert SCENE.distance(points) == pytest.approx(-0.1)

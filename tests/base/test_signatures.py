@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from sinuous.base.signatures import make_readable
 from sinuous.motion.plan import PlanArguments
 from sinuous.solver.options import SolveArguments
 
@@ -49,14 +48,3 @@ def test_help_of_lines_is_whole(kind: Any) -> None:
     described = set(re.findall(r"^ \|  (\w[\w, ]*) : ", text, re.MULTILINE))
     names = {name for line in described for name in line.split(", ")}
     assert set(inspect.signature(kind).parameters) <= names
-
-
-def sample(a: int, b: "str", c: float | None = None, *d: list[int], **e: Any) -> dict[str, int]:
-    return {}
-
-
-def test_what_has_short_names_stays() -> None:
-    make_readable(sample)
-    assert str(inspect.signature(sample)) == (
-        "(a: int, b: str, c: float | None = None, *d: list[int], **e: Any) -> dict[str, int]"
-    )

@@ -76,14 +76,6 @@ def test_cells_without_a_number_are_nan() -> None:
         table.read_finite(rows, [1])
 
 
-def test_words_stand_beside_numbers() -> None:
-    table, rows = read_table("kind x y z\nwall 1 2 3\ndoor 4 5 6\n")
-    np.testing.assert_array_equal(table.read(rows, [1, 2, 3]), [(1, 2, 3), (4, 5, 6)])
-    with pytest.raises(InputError, match=r"line 2\.kind: expected a finite number, got 'wall'"):
-        table.read(rows, [0])
-    np.testing.assert_array_equal(table.read(rows, [0, 1], strict=False), [(np.nan, 1), (np.nan, 4)])
-
-
 def test_names_of_axes_and_units() -> None:
     for name in ("x", "X", "pos_x", "position.x", "x_mm", "Points:0", "x coordinate", "field.x"):
         assert axis_of(name) == "x", name

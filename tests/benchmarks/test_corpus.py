@@ -52,11 +52,6 @@ def test_an_exception_of_another_kind_differs_and_one_with_other_words_does_not(
     assert [each.name for each in compared("small", answers).differing] == ["refused"]
 
 
-def test_a_problem_that_is_not_there_any_more_differs() -> None:
-    answers, _ = written("small")
-    assert [each.name for each in compared("small", {**answers, "gone": 1.0}).differing] == ["gone"]
-
-
 @pytest.mark.parametrize(("change", "code"), [(0.0, 0), (1e-12, 1)])
 def test_files_are_compared_by_the_command(
     change: float, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]

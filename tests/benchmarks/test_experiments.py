@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks import clutter, derivatives, design, methods, ways
+from benchmarks import clutter, derivatives, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Attempt, Trial, examine
 from benchmarks.harness.conduct import Output, conduct
 from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Line
 from benchmarks.motion import known, loops, moving, p5
-from benchmarks.places import FAMILIES
-from benchmarks.problems import among_spheres, arm, full_poses, paper_poses
-from benchmarks.speed import budgets, endurance, solves
+from benchmarks.problems import among_spheres, arm, paper_poses
+from benchmarks.speed import endurance, solves
 from benchmarks.speed.solves import solve_all
 from benchmarks.ways import WAYS
 from sinuous.answer.solution import Solution
@@ -70,13 +69,6 @@ def test_places_are_solved_in_all_ways(
     assert all(row[3].split("/")[0] == row[3].split("/")[1] and row[4] == "0" for row in rows)
 
 
-def test_a_place_is_solved_again_and_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    picture = tmp_path / "place.png"
-    assert main(["places", "spheres 12", "0", "--picture", str(picture)]) == 0
-    assert capsys.readouterr().out.startswith("spheres 12, 0: solved by arc in ")
-    assert picture.stat().st_size > 5_000
-
-
 RIGHT = Attempt(1e-5, 1e-5, "solved", "arc", True, True)
 LIE = Attempt(1e-5, 1e-5, "solved", "arc", True, False)
 MISSED = Attempt(1e-2, 1e-2, "blocked", "random", False, False)
@@ -111,13 +103,6 @@ def test_a_solver_that_lies_or_gives_up_about_a_place_is_found_out(monkeypatch: 
     monkeypatch.setattr(Solution, "solved", property(lambda _: False))
     monkeypatch.setattr(Solution, "status", property(lambda _: Status.TARGET_BLOCKED))
     assert examine("p3", 0).ours.false
-
-
-def test_every_family_is_measured_and_every_place_once() -> None:
-    assert list(clutter.clutter(Plan()).parts) == list(FAMILIES)
-    (small,) = clutter.worlds(Plan(seed=3)).parts.values()
-    share: Any = small.shares[1]
-    assert share.args[1] == range(300_100, 300_200)
 
 
 def shifted(where: tuple[Any, int], by: float) -> Callable[..., Solution]:
@@ -173,21 +158,6 @@ def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     # What earlier tests have given back may take it all in, so that the process does not grow; Python's count does.
     _, traced = endurance._memory(Plan(), paper_poses())
     assert traced.held is False
-
-
-def test_what_arrays_bring_and_how_budgets_are_kept_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    one, two, ratio = endurance._arrays(QUICK, "poses", full_poses(0, 10), None)
-    assert ratio.reached == pytest.approx(two.reached / one.reached)
-    monkeypatch.setattr(budgets, "FAMILIES", [family for family in budgets.FAMILIES if family[0] == "along a wall"])
-    lines = list(budgets.measure(QUICK))
-    assert "used up their budgets" in lines[0].note
-    assert all(line.reached >= 0.0 for line in lines)
-
-
-def test_the_design_is_no_worse_than_the_template(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = design.problem(0, np.random.default_rng(0))
-    monkeypatch.setattr(design, "problem", lambda *_: asked)
-    assert next(line.reached for line in design.measure(QUICK) if line.what == "better than the template") == 1.0
 
 
 def test_wrong_and_late_plans_count_as_such() -> None:

@@ -8,16 +8,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.harness import reference
-from benchmarks.harness.baseline import Comparison, _kept, _line, compare, load
+from benchmarks.harness.baseline import Comparison, _kept, _line, compare
 from benchmarks.harness.conduct import INTERRUPTED, NAME, Journal, Output, conduct
 from benchmarks.harness.experiment import Divided, Experiment, Plan
-from benchmarks.harness.lines import Goal, Line, Times, exponent, span, table, together
+from benchmarks.harness.lines import Goal, Line, together
 from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.reference import Look
 from sinuous.base.errors import InputError
@@ -82,15 +81,6 @@ def test_lines_that_were_measured_are_given_whatever_ends_a_run(tmp_path: Path, 
 
 
 @pytest.mark.usefixtures("steady")
-def test_rounds_may_be_added_and_the_middle_one_counts(tmp_path: Path) -> None:
-    conduct(steps(Plan(), 2e-3), Output(tmp_path))
-    assert conduct(steps(Plan(rounds=3), 5e-3, 3e-3), Output(tmp_path)) == 0
-    first, second = json.loads((tmp_path / "steps.json").read_text())["lines"]
-    assert (second["rounds"], second["reached"]) == ([2e-3, 5e-3, 3e-3], 3e-3)
-    assert (first["spread"], second["spread"]) == (0.0, pytest.approx(1.0))
-
-
-@pytest.mark.usefixtures("steady")
 def test_a_baseline_is_kept_and_compared_with(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """What seems worse is measured again before it counts."""
     baseline = tmp_path / "baseline.json"
@@ -106,14 +96,6 @@ def test_a_baseline_is_kept_and_compared_with(tmp_path: Path, capsys: pytest.Cap
     with pytest.raises(InputError, match="--against"):
         conduct(steps(Plan(1)), Output(tmp_path / "c", against=baseline))
     assert not (tmp_path / "c").exists()
-
-
-@pytest.mark.parametrize("content", [None, "", "{}", '{"figures": [{}]}', "[]"])
-def test_what_is_no_baseline_is_refused(tmp_path: Path, content: str | None) -> None:
-    if content is not None:
-        (tmp_path / "some.json").write_text(content)
-    with pytest.raises(InputError, match=r"--against.*a file that --save-baseline wrote"):
-        load(tmp_path / "some.json", "--against", {})
 
 
 @pytest.mark.usefixtures("steady")
@@ -140,14 +122,6 @@ def test_a_torn_end_of_a_journal_costs_that_line_only(tmp_path: Path, torn: str)
     assert again.pieces == {"a": {"clearance": None}}
     again.add("c", 3)
     assert Journal.open(tmp_path, {"seed": 3}).pieces == {"a": {"clearance": None}, "c": 3}
-
-
-@pytest.mark.parametrize("content", ["", "something else\n", '{"settings"', "[]\n", '{"settings": 3}\n'])
-def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, content: str) -> None:
-    (tmp_path / NAME).write_text(content)
-    with pytest.raises(InputError, match="cannot be read"):
-        Journal.open(tmp_path, {})
-    assert (tmp_path / NAME).read_text() == content
 
 
 TIME = Line("cold", "solve", 9e-6, "us", Goal(15e-6), solved=(2000, 2000), reference=5e-4)
@@ -217,29 +191,12 @@ def test_a_slower_machine_is_no_slower_library(factor: float) -> None:
     assert len([change for change in against([TIME, RATE], worse).changes if change.worse]) == 2
 
 
-def test_figures_that_spread_may_change_by_more_and_the_best_round_counts() -> None:
-    noisy = together([changed(TIME, value) for value in (8e-6, 9e-6, 11e-6)])
-    assert not against([noisy], [changed(TIME, 14e-6)]).changes
-    assert against([noisy], [changed(TIME, 16e-6)]).worse
-    assert not against([TIME], [together([changed(TIME, value) for value in (30e-6, 9e-6, 20e-6)])]).worse
-
-
 def test_of_several_rounds_the_middle_counts_and_of_correctness_the_worst() -> None:
     times = [Line("s", "t", value, solved=(right, 10)) for value, right in ((3.0, 9), (1.0, 10), (2.0, 10))]
     middle = together(times)
     assert (middle.reached, middle.rounds, middle.solved, middle.spread) == (2.0, (3.0, 1.0, 2.0), (9, 10), 1.0)
     shares = [Line("s", "t", value, "%", Goal(100, False, True)) for value in (100.0, 99.0, 100.0)]
     assert together(shares).reached == 99.0
-
-
-def test_times_are_summarised_and_written_in_the_unit_that_suits_them() -> None:
-    times = Times.of(np.arange(1, 101))
-    assert times.p95 == pytest.approx(95.05)
-    assert (times.count, times.median, times.worst) == (100, 50.5, 100.0)
-    assert exponent((5, 10, 20), [3e-6 * n**1.3 for n in (5, 10, 20)]) == pytest.approx(1.3)
-    told = {3e-9: "3 ns", 12.34e-6: "12.3 us", 999.9e-6: "1.00 ms", 0.172: "172 ms", 2.5: "2.50 s", math.inf: "none"}
-    assert {seconds: span(seconds) for seconds in told} == told
-    assert table([["what", "n"], ["a", "10"]]).splitlines() == ["| what |   n |", "| ---- | --: |", "| a    |  10 |"]
 
 
 def square(number: int) -> int:

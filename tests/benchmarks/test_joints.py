@@ -16,8 +16,3 @@ def test_all_arms_are_solved_and_judged_right(capsys: pytest.CaptureFixture[str]
     led, goal = rows[-2:]
     assert led[1:5] == ["5", "5", "0", "0.000"]
     assert float(led[5]) < float(goal[5])
-
-
-def test_what_is_no_number_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["joints", "--count", "0"]) == 2
-    assert "count" in capsys.readouterr().err

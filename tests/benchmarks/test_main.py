@@ -8,11 +8,10 @@ from typing import Any
 
 import pytest
 
-from benchmarks.__main__ import KNOWN, TOOLS, experiment, main
+from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
 from benchmarks.harness.experiment import Plan
-from benchmarks.trace import files_of, scenarios
 from tests.cases import with_each
 
 
@@ -57,15 +56,6 @@ def test_parts_are_those_that_a_pattern_fits(name: str, pattern: str, first: str
     assert len(some) < len(everything)
 
 
-def test_help_says_what_each_name_measures(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--help"]) == 0
-    out = capsys.readouterr().out
-    assert all(f"  {name}: {known.about}\n" in out for name, known in KNOWN.items())
-    assert all(f"  {name}: {about}\n" in out for name, (_, about) in TOOLS.items())
-    assert main(["worlds", "--help"]) == 0
-    assert f"Measure worlds: {KNOWN['worlds'].about}." in " ".join(capsys.readouterr().out.split())
-
-
 @with_each(
     ("arguments", "named"),
     [
@@ -93,25 +83,6 @@ def test_what_cannot_be_meant_is_said_in_one_line(
     assert not (tmp_path / "out").exists()
 
 
-@with_each(
-    ("arguments", "named"),
-    [
-        (["ways", "magic"], "NAME"),
-        (["ways", "ablation", "--count", "0"], "--count"),
-        (["ways", "ablation", "--piece", "hop"], "--piece"),
-        (["places", "labyrinth", "0"], "FAMILY"),
-        (["places", "shelf", "--", "-1"], "NUMBER"),
-        (["places", "shelf", "0", "--picture", "/nowhere/a.png"], "--picture"),
-        (["places", "--picture", "a.xyz"], "--picture"),
-    ],
-)
-def test_other_commands_say_it_as_well(arguments: list[str], named: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(arguments) == 2
-    said = capsys.readouterr().err
-    assert named in said
-    assert said.count("\n") == 1
-
-
 def test_threads_are_set_before_numpy_looks() -> None:
     code = """
 import os, sys
@@ -132,10 +103,3 @@ sys.exit(main(["speed", "--seed", "-1"]))
     assert done.returncode == 2, done.stderr
     assert done.stdout.splitlines()[-1] == "threads 1"
     assert all(name in done.stdout for name in KNOWN)
-
-
-def test_files_that_run_are_those_that_are_entered_not_only_imported(tmp_path: Path) -> None:
-    files = files_of(scenarios(tmp_path)["an easy solve"])
-    assert any(name.endswith("solver.py") for name in files)
-    assert "cli/app.py" in files
-    assert not any("viewer" in name or "plan.py" in name for name in files)

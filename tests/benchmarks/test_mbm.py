@@ -5,7 +5,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import sinuous as sn
@@ -28,12 +27,6 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_flange_is_where_the_data_sheet_has_it() -> None:
-    pose = mbm.flange([0.0] * 7)
-    np.testing.assert_allclose(pose[:3, 3], [0.088, 0.0, 0.333 + 0.316 + 0.384 - 0.107], atol=1e-12)
-    np.testing.assert_allclose(pose[:3, 2], [0.0, 0.0, -1.0], atol=1e-12)
-
-
 def test_problems_are_planned_and_judged(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = folder / "mbm.txt"
     assert main(["mbm", str(folder), "--alone", "--record", str(record)]) == 0
@@ -51,11 +44,6 @@ def test_a_plan_through_an_obstacle_is_found_out(folder: Path, monkeypatch: pyte
     (problem,) = mbm.read_scenarios(folder)["post"]
     assert mbm.examine("continuum", 0, ("post", problem)).wrong == "overlap"
     assert main(["mbm", str(folder), "--alone"]) == 1
-
-
-def test_a_folder_without_problems_is_said_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["mbm", str(tmp_path)]) == 2
-    assert "FOLDER" in capsys.readouterr().err
 
 
 def test_the_panda_itself_is_planned_and_judged(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

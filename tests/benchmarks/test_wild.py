@@ -21,7 +21,6 @@ from benchmarks.wild.trials import (
     EXCEPTION,
     LIMITS,
     OVERLAP,
-    SELF_CLEARANCE,
     SELF_OVERLAP,
     TARGET,
     Judged,
@@ -85,15 +84,6 @@ def test_what_is_demanded_and_not_kept_is_seen(solution: Solution) -> None:
     unsure = replace(world(BESIDE), robot=ROBOT.changed(uncertainty=sn.Uncertainty(0.01)))
     assert kinds(unsure, changed(solution, clearance=0.0899)) == set()
     assert kinds(unsure, changed(solution, clearance=0.0901)) == {CLEARANCE}
-
-
-def test_a_self_clearance_that_is_overstated(solution: Solution, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A straight body is `(pi - 2) radius` from itself: that far apart are places which count, at least."""
-    monkeypatch.setattr(Solution, "self_clearance", 0.11, raising=False)
-    assert SELF_CLEARANCE not in kinds(world([], 10.0), solution)
-    monkeypatch.setattr(Solution, "self_clearance", 2.6, raising=False)
-    hairpin = np.array([[0.0, 0.0, 1.0], [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
-    assert SELF_CLEARANCE in kinds(world([], 10.0), changed(solution, q=hairpin))
 
 
 @pytest.mark.parametrize("code", [OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE])

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import ROBOT, TARGET, Run
+from tests.cli.conftest import TARGET, Run
 
 DEFECT = "sheet: 3 edges with one triangle only (holes), so it is used as a shell and not as a solid"
 
@@ -75,14 +75,6 @@ def test_a_start_that_runs_through_itself_is_no_answer(run: Run) -> None:
         Path("curled.yaml").write_text(CURLED.replace("radius: 0.15", change))
         said = run("check curled.yaml", code).out
         assert all(word in said for word in words)
-
-
-def test_many_obstacles_are_counted(run: Run) -> None:
-    balls = ", ".join(f"{{sphere: {{center: [{i}, 5, 5], radius: 1}}}}" for i in range(20))
-    Path("many.yaml").write_text(f"{ROBOT}{TARGET}scene: [{balls}]\n")
-    said = run("check many.yaml").out.splitlines()
-    assert "  and 8 more obstacles" in said
-    assert len(said) == 16
 
 
 def test_what_is_suspicious_is_a_note(run: Run) -> None:

@@ -191,18 +191,6 @@ def test_what_is_kept_of_a_solution_is_all_of_it() -> None:
         np.testing.assert_array_equal(again.route, solution.route)
 
 
-def test_after_a_loss_of_power_what_is_broken_is_done_again(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(journal, "WRITE_SECONDS", 0.0)
-    interrupted(run, "track", 5)
-    chunk = PARTS / "chunk-0000002.npz"
-    chunk.write_bytes(chunk.read_bytes()[:-20])
-    own = interrupted(run, "track", 1)
-    assert entries() == 3
-    run(f"{own} --out {OUT}", 1)
-    run(f"{own} --out whole.jsonl", 1)
-    assert answers() == answers(Path("whole.jsonl"))
-
-
 @pytest.mark.parametrize(
     ("command", "options", "told"),
     [

@@ -52,32 +52,6 @@ def test_all_rows_of_a_table_are_solved(run: Run) -> None:
     assert "invalid    rows 4" in run(f"batch arm.yaml --targets in.csv {fast}", 1).out
 
 
-def test_a_robot_alone_and_a_problem_without_targets_will_do(run: Run) -> None:
-    ROBOT.save("alone.yaml")
-    Path("bare.yaml").write_text("robot: alone.yaml\nstart: [[0, 0, 50], [0, 0, 50], [0, 0, 50]]\n", encoding="utf-8")
-    for file in ("alone.yaml", "bare.yaml"):
-        run(f"batch {file} --targets good.csv --out {file}.csv")
-
-
-def test_shards_are_joined_by_the_command_without_one(run: Run) -> None:
-    for shard in ("2/2", "1/2"):
-        run(f"{BATCH} --out out.csv --chunk 1 --shard {shard}")
-        assert not Path("out.csv").exists()
-    assert run(f"{BATCH} --out out.csv --chunk 1 --json").results[0]["before"] == 2
-
-
-def test_other_ways_to_solve_give_the_same_file(run: Run) -> None:
-    for name, options in {"a": "--workers 1", "b": "--chunk 1", "c": "--warm --engine threads"}.items():
-        run(f"{BATCH} --out {name}.csv {options}")
-    assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes()
-
-
-def test_an_address_where_no_scheduler_is(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sinuous.studies.runs.engines.ANSWER_SECONDS", 1.0)
-    said = run(f"{BATCH} --out out.csv --dask tcp://127.0.0.1:9", 2).err
-    assert "the address of a scheduler that runs, got 'tcp://127.0.0.1:9'" in said
-
-
 def test_a_memory_is_filled_and_a_plan_walks_in_it(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     told = run(EXPLORE).out
     assert told.startswith("narrow.yaml: ")

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from sinuous.cli.reading import read_all
 from tests.cli.conftest import Run
 from tests.cli.test_check import DEFECT
 from tests.scene.shapes import cube
@@ -25,26 +24,3 @@ def test_a_mesh_that_cuts_through_itself_is_a_shell_and_that_is_said(run: Run) -
     assert (
         "note: shell.yaml: sheet: its surface cuts through itself, so it is used as a shell and not as a solid" in said
     )
-
-
-def test_reading_is_timed(run: Run) -> None:
-    assert run("check shell.yaml").out
-    (read,) = read_all(["shell.yaml"])
-    assert len(read.problem.scene) == 1
-    assert 0.0 < read.seconds < 60.0
-
-
-def test_a_wrong_mesh_is_refused_in_one_line(run: Run) -> None:
-    for text, said in (
-        (
-            "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n",
-            "sheet.obj: vertices[1]: expected 3 finite numbers, got [nan, 0.0, 0.0]",
-        ),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "shell.yaml: scene[0].mesh.file: holds no triangles; expected a mesh with"),
-        ("no mesh\n", "shell.yaml: scene[0].mesh.file: "),
-    ):
-        Path("sheet.obj").write_text(text)
-        output = run("solve easy.yaml shell.yaml", 2)
-        assert output.out == ""
-        (line,) = output.err.splitlines()
-        assert line.startswith(said)

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from sinuous.answer.solution import Solution
 from sinuous.cli import work
 from sinuous.cli.work import AnswerWriter
 from sinuous.motion.job import read_problem
@@ -55,12 +54,6 @@ def test_methods_and_their_options(run: Run) -> None:
     assert found["iterations"] == 0
 
 
-def test_pictures_of_several_files_are_numbered(run: Run) -> None:
-    pytest.importorskip("matplotlib")
-    run("solve easy.yaml scene.yaml --plot shape.png")
-    assert sorted(path.name for path in Path().glob("*.png")) == ["shape-1.png", "shape-2.png"]
-
-
 def test_an_interrupt_keeps_the_results_so_far(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     solve = work._solve
 
@@ -92,15 +85,6 @@ def test_distinct_solutions_are_a_table(run: Run) -> None:
     assert [row[:2] for row in written] == [["1", "solved"], ["2", "solved"], ["3", "solved"]]
     run("solve far.yaml --all 3 --csv q.csv", 1)
     assert ",out_of_reach," in Path("q.csv").read_text(encoding="utf-8")
-
-
-def test_one_solution_a_class_is_a_table_and_words(run: Run) -> None:
-    pytest.importorskip("matplotlib")
-    _, _, one, two, *words = run("solve scene.yaml --all 2").out.splitlines()
-    assert [row.split()[:2] for row in (one, two)] == [["1", "1"], ["2", "2"]]
-    assert all(f"class {i}: past ball on its " in line for i, line in enumerate(words, 1))
-    assert run("solve easy.yaml --all 2 --plot best.png").out.splitlines()[1].split()[0] == "bend"
-    assert Path("best.png").stat().st_size > 1000
 
 
 def test_distinct_solutions_are_results(run: Run) -> None:
@@ -164,14 +148,6 @@ def test_remedies_are_in_the_result_only_when_asked_for(run: Run) -> None:
     assert [remedy["change"] for remedy in far["remedies"]] == ["length of all segments", "target position"]
     assert (easy["remedies"], easy["binding"]) == ([], [])
     assert set(far["binding"][0]) >= {"constraint", "segment", "obstacle", "value", "limit"}
-
-
-def test_an_interrupt_of_the_explanation_leaves_the_answer(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(self: Any, time: float = 2.0) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Solution, "explain", interrupted)
-    assert run("solve far.yaml --why --json", 130).results[0]["status"] == "out_of_reach"
 
 
 def test_shapes_are_remembered_from_one_command_to_the_next(run: Run) -> None:

@@ -29,23 +29,6 @@ def test_json_has_totals_and_waypoints(run: Run) -> None:
     assert half["worst"] == half["waypoints"][1]["worst"]
 
 
-def test_results_are_made_where_somebody_wants_them(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a long path they are more work than solving it."""
-    made: list[object] = []
-    plainly = sn.Motion.to_dict
-
-    def to_dict(self: sn.Motion) -> dict[str, Any]:
-        made.append(self)
-        return plainly(self)
-
-    monkeypatch.setattr(sn.Motion, "to_dict", to_dict)
-    said = run("track half.yaml", 1).out
-    assert said.startswith("half.yaml: out_of_reach (2 of 3 waypoints reached; waypoint 2: ")
-    assert not made
-    run("track path.yaml --json --out track.jsonl")
-    assert len(made) == 1
-
-
 def test_an_interrupt_keeps_the_waypoints_so_far(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     go_on = Tracker.go_to
     tried: list[object] = []
@@ -107,12 +90,6 @@ def test_tables_of_several_files_are_numbered(run: Run) -> None:
     assert not Path("q.csv").exists()
 
 
-def test_how_far_the_tip_may_leave_the_line(run: Run) -> None:
-    Path("far_apart.yaml").write_text(ROBOT + "path: [{position: [1, 0, 2]}, {position: [0, 1, 2]}]\n")
-    counts = [len(run(f"track far_apart.yaml --json --deviation {d}").results[0]["knots"]) for d in ("1", "0.01")]
-    assert counts[0] == 2 < counts[1]
-
-
 def test_a_path_that_the_tip_leaves_is_not_solved(run: Run) -> None:
     text = ROBOT + "scene: [{sphere: {center: [0, 0, 2], radius: 0.3}}]\n"
     text += "path: [{position: [1, 0, 2]}, {position: [-1, 0, 2]}]\n"
@@ -149,10 +126,3 @@ def test_a_path_moves(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     run("track path.yaml --plot motion.gif")
     with Image.open("motion.gif") as image:
         assert image.n_frames == 6  # type: ignore[attr-defined]
-
-
-def test_a_film_needs_ffmpeg(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("matplotlib")
-    monkeypatch.setattr("shutil.which", lambda _: None)
-    (line,) = run("track path.yaml --plot motion.mp4", 2).err.splitlines()
-    assert line.startswith("--plot: needs the program ffmpeg; expected ffmpeg installed, or a name that ends in .gif, ")

@@ -2,7 +2,7 @@
 
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -49,16 +49,6 @@ def test_it_says_what_is_compiled_and_how_many_are_left(
     assert "10 of 10" in stream.getvalue()
 
 
-def test_what_is_there_is_not_compiled_again(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(warm, "steps", lambda methods: [WarmStep("one", lambda: None)])
-    monkeypatch.setattr(warm, "cores", lambda: 1)
-    assert main(["warm"]) == 0
-    said = capsys.readouterr()
-    assert (said.out, said.err) == ("everything was compiled before\n", "")
-
-
 def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted() -> None:
         raise KeyboardInterrupt
@@ -67,18 +57,6 @@ def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkey
     monkeypatch.setattr(warm, "cores", lambda: 1)
     assert main(["warm"]) == 130
     assert capsys.readouterr().err == "sinuous: interrupted after 1 of 2; what is compiled stays so\n"
-
-
-def test_methods_are_chosen_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[tuple[str, ...]] = []
-
-    def steps(methods: Iterable[str]) -> list[WarmStep]:
-        asked.append(tuple(methods))
-        return []
-
-    monkeypatch.setattr(warm, "steps", steps)
-    assert main(["warm", "--method", "dls", "--method", "newton"]) == 0
-    assert asked == [("dls", "newton")]
 
 
 def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -109,21 +87,6 @@ def test_the_store_is_shown_and_emptied(
     assert main(["warm", "--clear"]) == 0
     assert capsys.readouterr().out == f"2 compiled kernels removed from {tmp_path}\n"
     assert [file.name for file in tmp_path.iterdir()] == ["lock"]
-
-
-def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    took: list[tuple[str, float]] = []
-    steps = [
-        WarmStep("one", lambda: took.append(("b", 2.5))),
-        WarmStep("kinematics", lambda: took.append(("a", 1.0))),
-    ]
-    monkeypatch.setattr(warm, "TOOK", took)
-    monkeypatch.setattr(warm, "steps", lambda methods: steps)
-    assert main(["warm", "--profile"]) == 0
-    said = capsys.readouterr().out.splitlines()
-    assert said[:2] == ["   2.50 s  b", "   1.00 s  a"]
-    assert said[2].startswith("   3.50 s of CPU for 2 entries")
-    assert said[3].startswith("   1.00 s of CPU")
 
 
 PACKAGE = Path(sinuous.__file__).parent

@@ -12,10 +12,6 @@ from sinuous.files.documents import json_line, parse_json, result
 from tests.cases import with_each
 
 
-def test_values() -> None:
-    assert parse_json('{"a": [1, 2.5, true, null, "x"]}') == {"a": [1, 2.5, True, None, "x"]}
-
-
 @with_each(
     ("text", "key", "problem"),
     [

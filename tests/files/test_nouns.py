@@ -63,11 +63,6 @@ def test_what_is_wrong_is_refused_by_its_place(tmp_path: Path, moving: str, said
     assert said in str(caught.value)
 
 
-def test_quaternions_are_wxyz() -> None:
-    ((target,), _) = parse_path("x,y,z,qw,qx,qy,qz\n1,2,3,0,2,0,0\n")
-    np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
-
-
 @pytest.mark.parametrize("header", HEADERS, ids=",".join)
 def test_rows_are_targets_of_their_numbers(header: tuple[str, ...]) -> None:
     numbers = np.random.default_rng(1).normal(size=(50, len(header)))
@@ -77,11 +72,6 @@ def test_rows_are_targets_of_their_numbers(header: tuple[str, ...]) -> None:
     for target, row in zip(targets, numbers, strict=True):
         turned: dict[str, Any] = {} if name is None else {name: row[3:]}
         np.testing.assert_array_equal(target.table, Target(row[:3], **turned).table)
-
-
-def test_the_columns_name_the_order() -> None:
-    ((target,), _) = parse_path("x,y,z,qx,qy,qz,qw\n1,2,3,2,0,0,0\n")
-    np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
 
 
 def test_columns_may_stand_in_any_order_with_any_separator() -> None:

@@ -4,9 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-import sinuous as sn
 from sinuous.files.joint_chain import joint_trajectory, write_json
 
 
@@ -24,13 +22,3 @@ def test_points_have_times_from_the_first_on(tmp_path: Path) -> None:
     assert "velocities" not in message["points"][0]
     write_json(tmp_path / "out.json", message)
     assert json.loads((tmp_path / "out.json").read_text()) == message
-
-
-def test_velocities_stand_beside_positions() -> None:
-    message = joint_trajectory(["a"], np.array([0.0, 1.0]), np.zeros((2, 1)), np.ones((2, 1)))
-    assert [point["velocities"] for point in message["points"]] == [[1.0], [1.0]]
-
-
-def test_a_file_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(sn.InputError, match="file: cannot be written: "):
-        write_json(tmp_path / "no" / "out.json", {})

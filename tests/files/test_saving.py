@@ -117,12 +117,6 @@ def test_a_robot_with_everything(tmp_path: Path) -> None:
     assert not found.equals(MIXED.segments[0])
 
 
-def test_a_radius_for_all_is_that_of_every_segment() -> None:
-    robot = sn.Robot([sn.Segment(1.0), sn.Segment(1.0, radius=2.0)], radius=0.5)
-    assert [segment.radius for segment in robot.segments] == [0.5, 0.5]
-    assert robot.to_dict() == {"segments": {"count": 2, "length": 1, "radius": 0.5}}
-
-
 def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:
     (tmp_path / "shapes").mkdir()
     vertices, faces = together(cube(), cube(1.0, (0.5, 0.0, 0.0)))
@@ -175,11 +169,6 @@ def test_obstacles_of_arrays_are_written_out(tmp_path: Path, name: str) -> None:
     problem.save(tmp_path / "a.yaml")
     assert read_problem(tmp_path / "a.yaml").equals(problem)
     assert os.listdir(tmp_path) == ["a.yaml"]
-
-
-def test_a_matrix_that_looks_like_no_turn_is_kept() -> None:
-    robot = sn.Robot([sn.Segment(1.0)], actuators=sn.Actuators(np.eye(3)))
-    assert robot.to_dict()["actuators"]["matrix"] == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
 def test_a_function_is_refused_before_anything_is_written(tmp_path: Path) -> None:

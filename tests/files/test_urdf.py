@@ -5,12 +5,10 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-import pytest
-from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.files.joint_chain import JointChain, roll_pitch_yaw
+from sinuous.files.joint_chain import JointChain
 
 SEGMENTS = [
     sn.Segment((0, 80), max_bend=0, radius=4, name="stage"),
@@ -62,13 +60,6 @@ def test_the_tip_is_where_the_arm_has_it_the_better_the_more_joints(tmp_path: Pa
     assert (errors[2] <= 0.27 * errors[1]).all()
 
 
-def test_the_tool_is_at_the_tip(tmp_path: Path) -> None:
-    q = configurations(2)
-    chain = ARM.to_urdf(tmp_path / "arm.urdf")
-    tip, tool = (poses(tmp_path / "arm.urdf", chain, q, name) for name in ("tip", "tool"))
-    np.testing.assert_allclose(tool, tip @ ARM.tool, atol=1e-9)
-
-
 def test_shapes_cover_the_body_from_base_to_tip(tmp_path: Path) -> None:
     """Of the straight arm: cylinders of all radii reach from the base to the tip without a gap."""
     chain = ARM.to_urdf(tmp_path / "arm.urdf", 4)
@@ -92,14 +83,3 @@ def test_an_arm_without_a_radius_collides_with_nothing(tmp_path: Path) -> None:
     assert root.findall(".//collision") == []
     assert len(root.findall(".//visual")) > 0
     mujoco.MjModel.from_xml_path(str(tmp_path / "thin.urdf"))
-
-
-@pytest.mark.parametrize("angles", [(0.1, 0.2, 0.3), (1.0, np.pi / 2, 0.5), (-2.0, -np.pi / 2, 1.0), (3.0, 0.0, -3.0)])
-def test_angles_make_the_rotation(angles: tuple[float, float, float]) -> None:
-    matrix = Rotation.from_euler("xyz", angles).as_matrix()
-    np.testing.assert_allclose(Rotation.from_euler("xyz", roll_pitch_yaw(matrix)).as_matrix(), matrix, atol=1e-9)
-
-
-def test_a_file_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(sn.InputError, match="file: cannot be written: "):
-        ARM.to_urdf(tmp_path / "nowhere" / "arm.urdf")

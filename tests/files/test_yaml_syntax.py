@@ -56,14 +56,6 @@ def test_an_alias_stands_for_the_value_of_its_anchor(text: str, value: Any) -> N
     assert parse_yaml(text) == value
 
 
-def test_what_writers_of_yaml_make_of_repeated_values_is_read() -> None:
-    row = [1.5, 2.5]
-    values = {"a": [row, row], "b": {"c": row}}
-    text = yaml.safe_dump(values)
-    assert "*" in text
-    assert parse_yaml(text) == values
-
-
 def bomb(levels: int) -> str:
     """Each level stands for ten of the one before."""
     rows = [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, levels)]

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from benchmarks.places.parts.surfaces import hollow, open_tube, solid
 from sinuous import Box, Cylinder, Robot, Scene, Segment, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tubes import BRANCH, MOUTH, NO_TUBE, UNENDED, WALL, find_tubes, follow_tube
+from sinuous.kernels.tubes import BRANCH, MOUTH, NO_TUBE, WALL, find_tubes, follow_tube
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver.routing.tubes import rims_of
 from tests.helpers import Floats, random_pose
@@ -94,13 +94,6 @@ def test_there_is_no_tube_where_the_way_is_open_to_a_side(name: str) -> None:
     assert len(points) == 1
 
 
-def test_no_more_points_are_written_than_there_is_place_for() -> None:
-    poses = curve(0, 12)
-    points, ended = followed(Scene([solid(open_tube(poses, 1.5 * RADIUS, 2.0 * RADIUS), "pipe")]), poses[0], most=9)
-    assert ended == UNENDED
-    assert len(points) == 9
-
-
 def found(obstacles: list[Obstacle], most: int = 8, points: int = 1000) -> list[tuple[Floats, bool]]:
     """The axes of all tubes, and whether they are open at both ends."""
     scene = Scene(obstacles).snapshot()
@@ -124,11 +117,6 @@ def test_a_bent_pipe_is_found_from_mouth_to_mouth(width: float, seed: int) -> No
     ends = poses[[0, -1], :3, 3]
     straight, turned = (max(gap(axis[0], a), gap(axis[-1], b)) for a, b in (ends, ends[::-1]))
     assert min(straight, turned) <= 1.6 * RADIUS
-
-
-def test_a_channel_that_is_closed_is_not_open() -> None:
-    lid = Box((0.0, 0.0, 2.6), (1.0, 1.0, 0.2))
-    assert not any(through for _, through in found([*walls(0.2, 0.5), lid]))
 
 
 def test_there_is_none_in_a_closed_pipe_a_wide_hall_a_thin_door_and_beside_one_box() -> None:

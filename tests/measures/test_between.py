@@ -61,10 +61,3 @@ def test_a_joint_at_which_the_mount_ends_counts_for_what_is_beyond_it() -> None:
     solution = sn.solve(robot, sn.Target((0.0, 0.0, 1.1)), scene.obstacles)
     assert solution.solved
     assert solution.verify().ok
-
-
-def test_of_a_body_within_its_mount_nothing_counts() -> None:
-    robot = sn.Robot.uniform(1, 1.0, radius=0.1, mount=2.0)
-    q, scene = np.array([[0.0, 0.0, 1.0]]), as_snapshot([sn.Sphere((0, 0, 1), 0.3)])
-    assert least_clearance(robot, scene, q, segment_ends(robot, q))[:3] == (np.inf, None, None)
-    assert least_clearances(robot, scene, q[None])[0][0] == np.inf

@@ -51,14 +51,6 @@ def test_a_hairpin_touches_itself_where_it_says() -> None:
     assert place.position == pytest.approx(robot.forward(cut)[-1, :3, 3], abs=1e-9)
 
 
-def test_a_straight_body_is_as_far_from_itself_as_it_is_long_enough() -> None:
-    robot = sn.Robot.uniform(2, (0.1, 2.0), 4.0, radius=0.2)
-    assert measured(robot, np.array([[0.0, 0.0, 1.0]] * 2)).gap == pytest.approx(0.2 * (math.pi - 2.0), abs=0.01)
-    assert measured(robot, np.array([[0.0, 0.0, 0.3]] * 2)) == Meeting(math.inf, None)
-    thin = sn.Robot.uniform(2, (0.1, 2.0), 4.0)
-    assert measured(thin, np.array([[0.0, 0.0, 1.0]] * 2)) == Meeting(math.inf, None)
-
-
 def test_the_end_of_a_thick_part_is_no_obstacle_to_what_leads_on_but_to_what_comes_back() -> None:
     robot = sn.Robot([sn.Segment((0.01, 1.0), 3.2, radius=radius) for radius in (0.1, 0.01, 0.01)])
     for bend, clear in ((0.0, True), (1.5, True), (math.pi, False)):

@@ -10,7 +10,7 @@ from sinuous.measures import obstacles
 from sinuous.measures.obstacles import Indices, least_distances, measure, to_triangles
 from sinuous.scene.mesh import Mesh
 from tests.cases import with_each
-from tests.helpers import Floats, random_rotation
+from tests.helpers import Floats
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
 
 OBSTACLES = [
@@ -50,14 +50,6 @@ def test_no_ball_is_passed_over(monkeypatch: pytest.MonkeyPatch, seed: int, spre
     np.testing.assert_allclose(least_distances(points, centers, radii, exact), expected, atol=1e-14)
 
 
-def test_one_thing_and_no_point() -> None:
-    def exact(point: Indices, thing: Indices) -> Floats:
-        return np.full(len(point), 3.0)
-
-    assert least_distances(np.ones((1, 3)), np.zeros((1, 3)), np.zeros(1), exact) == 3.0
-    assert least_distances(np.ones((0, 3)), np.zeros((1, 3)), np.zeros(1), exact).shape == (0,)
-
-
 def points(seed: int, count: int = 300) -> Floats:
     return np.random.default_rng(seed).uniform(-3.0, 3.0, (count, 3))
 
@@ -79,10 +71,6 @@ def test_occupied_cells_are_boxes() -> None:
     np.testing.assert_allclose(measure(grid, points(1)), np.min(each, axis=0), atol=1e-13)
 
 
-def test_nothing_occupied_is_infinitely_far() -> None:
-    assert (measure(sn.Grid(np.zeros((2, 2, 2), bool), (0, 0, 0), 1), points(2)) == np.inf).all()
-
-
 def unit_ball(p: Any) -> Floats:
     return np.asarray(np.linalg.norm(p, axis=-1) - 1.0)
 
@@ -98,16 +86,6 @@ def test_a_grid_of_distances_proves_less_than_the_truth_and_not_much_less() -> N
     assert (proved >= unit_ball(p) - 0.2 * np.sqrt(3.0))[within].all()
     on_grid = grid.origin + 0.2 * index[::5, ::5, ::5].reshape(-1, 3)
     np.testing.assert_allclose(measure(grid, on_grid), unit_ball(on_grid), atol=1e-12)
-
-
-def test_out_of_a_grid_of_distances_nothing_is_free_that_it_does_not_prove() -> None:
-    grid = sn.Grid(np.full((3, 3, 3), 0.5), (0, 0, 0), 1.0)
-    np.testing.assert_allclose(measure(grid, np.array([[1, 1, 2.5], [1, 1, 3.0], [9, 1, 1]])), [0, -0.5, -6.5])
-
-
-def test_a_field_answers_itself() -> None:
-    field = sn.Field(unit_ball, (-1, -1, -1), (1, 1, 1), 0.5)
-    np.testing.assert_array_equal(measure(field, points(4)), unit_ball(points(4)))
 
 
 BODIES = [cube(), ball(), together(cube(), inverted(cube(0.5)), cube(0.7, (2, 0, 0)))]
@@ -133,15 +111,6 @@ def test_shells_agree_with_libigl(body: Triangles) -> None:
     plain = igl.signed_distance(near_points(1), vertices, faces, sign_type=igl.SIGNED_DISTANCE_TYPE_UNSIGNED)[0]
     np.testing.assert_allclose(measure(Mesh(vertices, faces), near_points(1)), plain, atol=1e-12)
     np.testing.assert_allclose(measure(Mesh(vertices, faces, thickness=0.3), near_points(1)), plain - 0.15, atol=1e-12)
-
-
-def test_a_cube_is_a_box() -> None:
-    turn, p = random_rotation(np.random.default_rng(2)), near_points(2)
-    excess = np.abs(p @ turn) - 0.5
-    outside = np.linalg.norm(np.maximum(excess, 0.0), axis=1)
-    expected = np.where(outside > 0.0, outside, excess.max(axis=1))
-    vertices, faces = cube()
-    np.testing.assert_allclose(measure(Mesh(vertices @ turn.T, faces), p), expected, atol=1e-12)
 
 
 def test_signs_along_a_curve_that_goes_in_and_out() -> None:

@@ -19,17 +19,6 @@ def test_reachable_targets(kind: str) -> None:
     assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 60, 2.0, kind=kind)) == 60
 
 
-def test_a_direction_alone_and_a_tool() -> None:
-    robot = sn.Robot(laws.ARM.segments, tool=sn.pose((3, 4, 20), direction=(1, 0, 1)))
-    solver = sn.Solver(robot, method="dls")
-    assert laws.solved_and_verified(solver, [sn.Target(direction=(1, 2, 0.5)), sn.Target(direction=(0, 0, -1))]) == 2
-    assert laws.solved_and_verified(solver, laws.tip_targets(robot, 40)) == 40
-
-
-def test_a_batch_is_a_loop() -> None:
-    laws.many_are_as_one(sn.Solver(laws.ARM, method="dls"), laws.tip_targets(laws.ARM, 20, 2.4))
-
-
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits("dls", laws.LIMITED)
     laws.begins_from_an_initial_configuration("dls")

@@ -45,17 +45,6 @@ def test_a_solved_answer_is_one(name: MethodName) -> None:
     assert solution.to_dict()["method"] == name
 
 
-@pytest.mark.parametrize("name", METHODS)
-def test_many_are_solved_like_one(name: MethodName) -> None:
-    solver = Solver(ARM, method=quick(name, ARM), tolerance=sn.Tolerance(0.5, 0.02))
-    targets = [EASY, sn.Target((10.0, -90.0, 220.0)), sn.Target((0.0, 0.0, 1000.0))]
-    for one, each in zip(map(solver.solve, targets), solver.solve_many(targets), strict=True):
-        assert one.status is each.status
-        np.testing.assert_array_equal(one.q, each.q)
-    assert solver.solve(targets[2]).status is sn.Status.OUT_OF_REACH
-    assert len(solver.solve_many([])) == 0
-
-
 @with_each("name", METHODS)
 def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
     can = methods.capabilities(name)

@@ -1,6 +1,5 @@
 """The search of every method but our own: its check of answers, and the starts that it follows."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from benchmarks.problems import clutter, random_configurations
 from sinuous.answer.verification import verify
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.packing import pose_row
-from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, RECORD_WIDTH, SOLVED, SOURCE
+from sinuous.kernels.tables import FAILED, SOLVED
 from sinuous.methods import search as common
 from sinuous.problem.problem import Problem
 from tests.helpers import Floats, kernel_problem
@@ -60,23 +59,6 @@ def test_the_check_agrees_with_the_independent_one() -> None:
             bound += over
             missed += off > (problem.tolerance.position or 0.0)
     assert min(solved, blocked, bound, missed) > 3
-
-
-def test_the_best_offer_is_kept() -> None:
-    robot = sn.Robot.uniform(2, (0.8, 1.2), 2.0)
-    right = np.array([[0.5, 0.2, 1.0]] * 2)
-    problem = Problem(robot, sn.Target(robot.tip(right)[:3, 3]), sn.Scene([sn.Sphere((5.0, 0.0, 0.0), 1.0)]))
-    inner, check = checker(problem)
-    answer = common.Answer(np.zeros((2, 3)), np.zeros(RECORD_WIDTH))
-    answer.record[CODE], answer.record[MERIT] = FAILED, math.inf
-    broken, far, near = right.copy(), right.copy(), right.copy()
-    broken[0, 0], far[0, 0], near[0, 0] = np.nan, 1.0, 0.6
-    offers = ((broken, False), (far, False), (near, False), (far, False), (right, True), (near, False))
-    for (q, accepted), kept in zip(offers, (None, far, near, near, right, right), strict=True):
-        assert common.offer(inner, check, q, ARC, answer) == accepted
-        if kept is not None:
-            np.testing.assert_array_equal(answer.best, kept)
-    assert (answer.record[CODE], answer.record[SOURCE]) == (SOLVED, ARC)
 
 
 def test_starts_are_those_given_then_own_ones_until_one_is_solved_or_time_is_over() -> None:

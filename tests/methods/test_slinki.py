@@ -33,13 +33,6 @@ def test_it_goes_round_obstacles() -> None:
     assert solved >= 25
 
 
-def test_it_says_when_it_has_no_more_lattices() -> None:
-    solver = sn.Solver(laws.ARM, method=Slinki(nodes=100), time=10.0)
-    solution = solver.solve(sn.Target((0, 0, -60), direction=(0, 0, -1)))
-    assert not solution.solved
-    assert solution.starts <= 4
-
-
 def test_a_tool_and_a_batch() -> None:
     robot = sn.Robot(laws.ARM.segments, tool=sn.pose((0, 0, 20)))
     solver = sn.Solver(robot, method="slinki")

@@ -176,14 +176,6 @@ def test_limits_that_no_row_says_are_refused(weights: list[float]) -> None:
     assert len(Robot(PARTS, actuators=Actuators([weights, *bends])).actuation) == 0
 
 
-def test_limits_that_straight_robots_violate_are_refused() -> None:
-    stage = [row((0, 0, 2), *[NONE] * 3)]
-    assert len(Robot(PARTS, actuators=Actuators(stage, limits=(0.0, 1.0))).actuation) == 0
-    refused("actuators.limits[0]", lambda: Robot(PARTS, actuators=Actuators(stage, limits=(0.0, 0.9))), "[0, 1]")
-    bent = [ROWS["one segment"]]
-    refused("actuators.limits[0]", lambda: Robot(PARTS, actuators=Actuators(bent, limits=(0.1, 0.9))), "[0, 0]")
-
-
 @pytest.mark.parametrize("name", ["one segment", "a sum", "tendon lengths"])
 def test_solvers_keep_them(name: str) -> None:
     free = Robot(PARTS)

@@ -11,7 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.model.actuation import Actuator
-from sinuous.model.actuators import Chambers, Lines, Tendons
+from sinuous.model.actuators import Chambers, Tendons
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from tests.cases import with_each
@@ -36,26 +36,6 @@ def expm_powers(row: Floats, count: int) -> list[Floats]:
     for _ in range(count):
         poses.append(poses[-1] @ step)
     return poses
-
-
-@with_each("count", [1, 2, 3, 4, 7])
-def test_lines_are_spread_evenly(count: int) -> None:
-    lines = Lines(count, 2.0, 0.3)
-    np.testing.assert_allclose(lines.angles, 0.3 + 2 * math.pi * np.arange(count) / count)
-    np.testing.assert_allclose(np.linalg.norm(lines.arms, axis=1), 2.0)
-    np.testing.assert_allclose(np.arctan2(lines.arms[0, 1], lines.arms[0, 0]), 0.3)
-    assert not lines.angles.flags.writeable
-
-
-def test_angles_one_by_one() -> None:
-    lines = Lines(angles=[0.0, 1.0], radius=0.004)
-    np.testing.assert_array_equal(lines.angles, [0.0, 1.0])
-
-
-def test_a_line_on_the_side_bent_to_gets_shorter() -> None:
-    robot = Robot([Segment((0.5, 2.0), tendons=Tendons(2, 0.1), chambers=Chambers(2, 0.2))])
-    q = [[0.5, 0.0, 1.0]]
-    np.testing.assert_allclose(robot.to_actuators(q), [0.05, -0.05, 0.9, 1.1])
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -113,21 +93,6 @@ def test_limits_of_tendons_contain_the_straight_robot() -> None:
         "displacement", ((1.0, -1.0), (1, 2, 3), "wide", True), lambda value: Tendons(3, 1.0, displacement=value)
     )
     refused("displacement[1]", lambda: Tendons(3, 1.0, displacement=(-1.0, math.inf)))
-
-
-@pytest.mark.parametrize("kind", LINES)
-def test_names_are_one_for_each(kind: Any) -> None:
-    assert kind(2, 1.0).names is None
-    assert kind(2, 1.0, names=("left", "right")).names == ("left", "right")
-    refused_each("names", ("ab", 5, ["left"], ["a", "b", "c"], {"a": 1, "b": 2}), lambda n: kind(2, 1.0, names=n), "2")
-    refused_each("names[1]", (["a", ""], ["a", 1], ["a", None]), lambda n: kind(2, 1.0, names=n), "a text")
-
-
-def test_limits_of_chambers_are_lengths() -> None:
-    assert Chambers(3, 1.0).length == (-math.inf, math.inf)
-    assert Chambers(3, 1.0, length=(1, 2)).length == (1.0, 2.0)
-    refused("length[0]", lambda: Chambers(3, 1.0, length=(-1.0, 1.0)))
-    refused("length", lambda: Chambers(3, 1.0, length=(2.0, 1.0)))
 
 
 MOTOR_LINES = (sn.Tendons, sn.Chambers)

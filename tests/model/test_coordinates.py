@@ -39,11 +39,6 @@ def test_what_is_held_is_said_and_its_file_makes_an_equal_robot(robot: sn.Robot,
     assert max(robot.excess(each + np.array([0.3, -0.2, 0.4])) for each in q) > 0.05
 
 
-def test_a_free_robot_has_no_notes() -> None:
-    assert FREE.notes == ()
-    assert FREE.drive.coordinates.free
-
-
 def test_two_wires_are_driven_in_their_plane_alone() -> None:
     robot = sn.Robot(
         [sn.Segment(1.0, tendons=sn.Tendons(3, 0.1)), sn.Segment(1.0, 2.0, tendons=sn.Tendons(2, 0.1, 0.6))]
@@ -55,20 +50,6 @@ def test_two_wires_are_driven_in_their_plane_alone() -> None:
     ((kind, segment, amount),) = robot.violations(np.array([[0.0, 0.0, 1.0], [*(0.5 * along[::-1] * [-1, 1]), 1.0]]))
     assert (kind, segment) == ("bend", 2)
     assert amount == pytest.approx(0.5)
-
-
-def test_tendons_that_run_through_drive_what_they_bend() -> None:
-    through = sn.Robot(
-        [sn.Segment(1.0, tendons=sn.Tendons(2, 0.1)), sn.Segment(1.0, tendons=sn.Tendons(2, 0.1, math.pi / 2))]
-    )
-    assert through.drive.coordinates.bends[0] == math.pi  # the second pair crosses the first one
-    assert any("tip" in each or "s2" in each for each in through.notes)
-
-
-def test_a_stage_alone_locks_no_bend() -> None:
-    robot = sn.Robot([sn.Segment((0.0, 1.0), 0.0, stage=sn.Stage()), sn.Segment((0.8, 1.2), 2.0)])
-    assert robot.drive.coordinates.free
-    assert robot.notes == ("no actuator moves length of s2; give it a stage, or one length",)
 
 
 def test_passive_stiff_segments_stay_at_rest_beside_elastic_tendons() -> None:

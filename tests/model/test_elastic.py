@@ -107,14 +107,6 @@ def test_slack_tendons_are_named() -> None:
     np.testing.assert_allclose(free[:, :2], [segment.rest for segment in robot.segments], atol=1e-12)
 
 
-def test_a_long_pull_and_a_stiff_line_are_as_a_rigid_one() -> None:
-    parts = driven(arm())
-    rigid = sn.Robot([s.changed(tendons=sn.Tendons(3, t.radius, t.angles[0])) for s, t in parts])
-    hard = sn.Robot([s.changed(tendons=t.changed(stiffness=1e9)) for s, t in parts])
-    q = drawn(rigid, 20)
-    np.testing.assert_allclose(hard.to_actuators(q), rigid.to_actuators(q), atol=1e-6)
-
-
 def test_limits_of_tension_and_displacement_hold_together() -> None:
     robot = arm(tension=(0.0, 3.0), displacement=(-2.0, 4.0))
     arms = robot.drive.jacobian.reshape(9, 3, 3)[:, :, :2].reshape(9, 6)
@@ -135,15 +127,6 @@ def test_limits_of_tension_and_displacement_hold_together() -> None:
     assert 10 < possible < 110
 
 
-def test_motors_count_the_stretch_too() -> None:
-    robot = arm()
-    motor = {"gain": -20.0, "offset": 7.0, "unit": "counts"}
-    counted = sn.Robot([s.changed(tendons=t.changed(**motor)) for s, t in driven(robot)])
-    q = drawn(robot, 10)
-    np.testing.assert_allclose(counted.to_actuators(q), 7.0 - 20.0 * robot.to_actuators(q), atol=1e-10)
-    np.testing.assert_allclose(counted.from_actuators(counted.to_actuators(q)), q, atol=1e-12)
-
-
 def test_chambers_push_and_pull() -> None:
     segment = sn.Segment((40.0, 80.0), chambers=sn.Chambers(3, 12.0, stiffness=5.0, gain=2.0), stiffness=3000.0)
     robot = sn.Robot([segment, segment])
@@ -153,16 +136,6 @@ def test_chambers_push_and_pull() -> None:
     pushed = robot.tensions(2.0 * np.array([62.0, 60.0, 60.0, 60.0, 60.0, 60.0]))
     assert pushed[0] * pushed[1] < 0.0
     assert robot.from_actuators(2.0 * np.full(6, 66.0))[0] == pytest.approx([0.0, 0.0, 66.0])
-
-
-def test_a_stage_and_a_rod_that_gets_softer_as_it_comes_out() -> None:
-    rod = sn.Segment((5.0, 100.0), stage=sn.Stage(), tendons=sn.Tendons(3, 2.0, stiffness=3.0), stiffness=50.0)
-    robot = sn.Robot([sn.Segment(10.0, max_bend=0.0), rod])
-    q = np.array([[[0, 0, 10.0], [0.3, 0.2, length]] for length in (6.0, 50.0, 100.0)])
-    values = robot.to_actuators(q)
-    np.testing.assert_allclose(robot.from_actuators(values), q, atol=1e-12)
-    tensions = robot.tensions(values).max(axis=1, initial=0.0, where=np.isfinite(robot.tensions(values)))
-    np.testing.assert_allclose(tensions * q[:, 1, 2], tensions[0] * 6.0)
 
 
 def test_what_cannot_be_is_refused() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.model.actuators import Actuators, Chambers, Stage, Tendons
+from sinuous.model.actuators import Chambers, Stage, Tendons
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from tests.cases import with_each
@@ -65,17 +65,6 @@ def test_there_and_back_for_hundreds_of_robots() -> None:
     assert 80 < alone < 320
 
 
-def test_a_stage_stays_where_it_was_and_a_spacer_as_it_is() -> None:
-    tendons = Tendons(3, 0.05)
-    robot = Robot([Segment((0.0, 0.5), 0.0), Segment(0.1, 0.0), Segment(1.0, tendons=tendons)])
-    values = robot.to_actuators([[0, 0, 0.3], [0, 0, 0.1], [0.4, -0.2, 1.0]])
-    found = robot.from_actuators(values, [[0, 0, 0.2], [9, 9, 9], [9, 9, 9]])
-    np.testing.assert_allclose(found, [[0, 0, 0.2], [0, 0, 0.1], [0.4, -0.2, 1.0]], atol=1e-12)
-    driven = Robot(robot.segments, actuators=Actuators([[0, 0, 1, 0, 0, 0, 0, 0, 0]], names=["stage"]))
-    q = np.array([[0, 0, 0.3], [0, 0, 0.1], [0.4, -0.2, 1.0]])
-    np.testing.assert_allclose(driven.from_actuators(driven.to_actuators(q)), q, atol=1e-13)
-
-
 def test_values_that_contradict_each_other_give_the_least_squares() -> None:
     lines = [Tendons(5, 0.05, 0.3 * k) for k in range(3)]
     robot = Robot([Segment(1.0, tendons=each, chambers=Chambers(4, 0.07)) for each in lines])
@@ -123,15 +112,6 @@ def test_values_by_name_are_those_in_order() -> None:
     refused("actuators", lambda: robot.from_actuators({"feed": 1.0}), "a value for each: s2.t1, s2.t2, s2.t3")
     refused("actuators.feed", lambda: robot.from_actuators(named | {"feed": "far"}), "finite")
     refused("actuators", lambda: robot.from_actuators(named | {"feed": [1.0, 2.0]} | {"s2.t1": [0.0] * 3}), "broadcast")
-
-
-def test_what_is_open_stays_as_near_as_can_be() -> None:
-    """One tendon sees one direction of the bend; what no tendon bends is straight, and lengths stay what they were."""
-    robot = Robot([Segment(1.0, tendons=Tendons(1, 0.1, 0.5 * math.pi)), Segment((0.5, 1.5))])
-    initial = np.array([[0.3, 0.1, 1.0], [0.2, 0.4, 0.9]])
-    found = robot.from_actuators([[0.07], [0.0]], initial)
-    np.testing.assert_allclose(found[0], [[0.0, 0.7, 1.0], [0.0, 0.0, 0.9]], atol=1e-14)
-    np.testing.assert_allclose(found[1], [[0.0, 0.0, 1.0], [0.0, 0.0, 0.9]], atol=1e-14)
 
 
 def test_open_coordinates_are_named() -> None:

@@ -11,7 +11,6 @@ from scipy.linalg import expm
 import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint
-from sinuous.model.link_overlaps import segment_distances
 from tests.helpers import as_matrix, random_pose, random_unit, refused, refused_each, skew, twist_matrix
 
 BODY: list[Any] = [{"from": [0.1, 0.0, 0.2], "to": [0.3, -0.2, 0.1], "radius": 0.05}, ((0, 0, 0), (0, 0, 0), 0.1)]
@@ -106,18 +105,6 @@ def test_a_panda_is_where_its_table_says() -> None:
         np.testing.assert_allclose(robot.tip(None, values), pose, atol=1e-14)
 
 
-def test_bodies_are_in_the_frames_of_their_links() -> None:
-    for robot, joints, q in robots():
-        values, pose, found = iter(joints.tolist()), robot.base, []
-        for joint in robot.joints:
-            pose = pose @ moved(joint, 0.0 if isinstance(joint, Fixed) else next(values))
-            found += [(pose[:3, :3] @ end + pose[:3, 3]) for own in joint.body for end in (own.start, own.end)]
-        whole = robot.with_joints(q, joints)
-        points = robot.backbone(whole, 1000)
-        for place in found:  # ends of capsules are on the rows, the last samples of which may be far behind the tail
-            assert np.linalg.norm(points - place, axis=1).min() < 1e-3
-
-
 def test_configurations_are_put_together_and_taken_apart() -> None:
     for robot, joints, q in robots():
         many = np.stack([joints, joints + 0.1, joints])
@@ -139,11 +126,6 @@ def test_a_robot_without_joints_takes_its_configuration_alone() -> None:
     assert values.shape == (0,)
     np.testing.assert_array_equal(arcs, q)
     assert robot.joint_names == ()
-
-
-def test_links_that_do_not_move_need_no_values() -> None:
-    arm = sn.Robot([sn.Segment(1.0)], joints=[sn.Revolute(), Fixed((0, 0, 1))])
-    np.testing.assert_allclose(arm.tip([[0, 0, 1.0]], [0.5])[:3, 3], (0, 0, 2))
 
 
 ARM = sn.Robot([sn.Segment(1.0), sn.Segment(1.0)], joints=[sn.Revolute(name="roll"), sn.Prismatic(limits=(0, 1))])
@@ -190,17 +172,6 @@ def test_tendons_do_not_run_through_joints() -> None:
     np.testing.assert_allclose(again, whole, atol=1e-12)
 
 
-def test_what_a_robot_with_joints_shows() -> None:
-    assert repr(ARM) == "Robot(2 joints, 2 segments, total length 2 to 2)"
-    assert ARM.joint_names == ("roll", "j2")
-    assert repr(panda(name="panda")) == "Robot('panda', 7 joints)"
-    assert [str(joint) for joint in (sn.Revolute(limits=(-1, 2)), Fixed(body=BODY))] == [
-        "revolute, -1 to 2",
-        "fixed, 2 capsules",
-    ]
-    assert repr(sn.Prismatic((1, 0, 0), (0, 2), name="feed")) == "Prismatic(axis=(1, 0, 0), limits=(0, 2), name='feed')"
-
-
 def test_links_that_overlap_nearly_everywhere_are_noted() -> None:
     ball = [((0, 0, 0), (0, 0, 0), 0.1)]
     far, near = ((0, 0, 1), (0, 0, 0.01))
@@ -213,24 +184,6 @@ def test_links_that_overlap_nearly_everywhere_are_noted() -> None:
     said = "links of j1 and j3 overlap in 100 of 100 random configurations: `touches` of j3, or an SRDF, allows it"
     assert robot(near).notes == (said,)
     assert robot(near, ("j1",)).notes == ()
-
-
-def test_distances_of_segments_are_the_least_ones() -> None:
-    rng = np.random.default_rng(0)
-    a, b, c, d = rng.normal(size=(4, 40, 3))
-    b[:5], d[3:8] = a[:5], c[3:8]
-    d[10:15] = c[10:15] + 2.0 * (b - a)[10:15]
-    share = np.linspace(0.0, 1.0, 101)[:, None]
-    for i, found in enumerate(segment_distances(a, b, c, d).tolist()):
-        one, other = a[i] + share * (b - a)[i], c[i] + share * (d - c)[i]
-        least = float(np.linalg.norm(one[:, None] - other, axis=-1).min())
-        assert least - 0.05 < found <= least + 1e-12
-
-
-def test_segments_are_locked_beside_joints() -> None:
-    locked = ARM.locked({"s2": (0.1, 0.2, None), 1: (None, None, 1.0)})
-    assert [segment.locked for segment in locked.segments] == [(None, None, 1.0), (0.1, 0.2, None)]
-    refused("coordinates", lambda: ARM.locked({"roll": None}), "no segment is called 'roll'")
 
 
 LINKED = sn.Robot(

@@ -11,12 +11,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from sinuous.base.checks import direction as unit
-from sinuous.kernels.packing import pose_row
 from sinuous.model.poses import as_pose, least_rotation, pose, rotation_matrix
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Box, Placement
 from tests.cases import with_each
-from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused, refused_each
+from tests.helpers import NOT_VECTORS, Floats, random_rotation, refused, refused_each
 
 coordinates = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1e-8, -1e-16, 1e-100, -1e-200, 5e-324, 1.0, -1.0]))
 directions = st.tuples(coordinates, coordinates, coordinates).filter(any).map(lambda v: unit("direction", v))
@@ -33,11 +32,6 @@ def test_least_rotation_takes_z_there_the_shortest_way(direction: Floats) -> Non
     assert is_rotation(rotation)
     np.testing.assert_allclose(rotation[:, 2], direction, atol=1e-15)
     assert np.trace(rotation) == pytest.approx(1.0 + 2.0 * direction[2], abs=1e-15)  # the angle is no more than needed
-
-
-def test_least_rotation_of_down_is_half_a_turn_about_x() -> None:
-    np.testing.assert_array_equal(least_rotation(np.array([0.0, 0.0, -1.0])), np.diag([1.0, -1.0, -1.0]))
-    np.testing.assert_array_equal(least_rotation(np.array([0.0, 0.0, 1.0])), np.eye(3))
 
 
 @pytest.mark.parametrize("tiny", [1e-7, 1e-12, 1e-20, 1e-100])
@@ -149,20 +143,7 @@ def test_bad_positions_and_directions_are_refused(value: Any) -> None:
     refused("direction", lambda: pose(direction=value))
 
 
-def test_zero_points_nowhere() -> None:
-    refused("direction", lambda: pose(direction=(0, 0, 0)))
-
-
 @with_each("value", [np.eye(3), np.zeros((4, 4)), np.diag([1.0, 1.0, 1.0, 2.0]), np.eye(4) * math.nan, "eye"])
 def test_what_is_no_matrix_of_a_pose_is_refused(value: Any) -> None:
     refused("matrix", lambda: pose(matrix=value))
     refused("base.matrix", lambda: as_pose("base", value))
-
-
-def test_rows_hold_rotation_and_position() -> None:
-    np.testing.assert_array_equal(as_pose("base", None), np.eye(4))
-    matrix = random_pose(np.random.default_rng(3))
-    row = pose_row(matrix)
-    assert row.shape == (1, 12)
-    np.testing.assert_array_equal(row[0, :9].reshape(3, 3), matrix[:3, :3])
-    np.testing.assert_array_equal(row[0, 9:], matrix[:3, 3])

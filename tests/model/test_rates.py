@@ -44,13 +44,6 @@ def test_rates_times_a_time_are_changes() -> None:
         assert changes.actuator is None
 
 
-def test_they_are_equal_when_they_say_the_same() -> None:
-    assert sn.Rates(bend=(1, 2), acceleration=sn.Rates(1)).equals(sn.Rates(bend=[1.0, 2.0], acceleration=sn.Rates(1)))
-    assert not sn.Rates(bend=1).equals(sn.Rates(length=1))
-    assert sn.Rates(bend=1)
-    assert not sn.Rates()
-
-
 @with_each(
     ("make", "words"),
     [

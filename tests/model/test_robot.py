@@ -1,7 +1,6 @@
 """The robot: what it says of itself, poses and Jacobians of whole batches, lines and back, limits, and bad input."""
 
 import math
-import warnings
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -11,7 +10,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.robot import Robot, Uncertainty
+from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from tests.cases import with_each
 from tests.helpers import (
@@ -127,46 +126,7 @@ def test_excess_is_how_far_outside_the_limits() -> None:
     assert robot.excess(np.zeros((0, 3, 3))) == 0.0
 
 
-def test_a_segment_of_length_zero_has_no_curvature_limit_by_accident() -> None:
-    robot = Robot.uniform(2, (0.0, 1.0), 2.0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert robot.excess([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]) == 0.0
-    assert Robot.uniform(2, (0.0, 1.0), 2.0, 1.0).excess([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]) == 1.0
-
-
 # Tendons and chambers
-
-
-def test_defaults() -> None:
-    robot = Robot([Segment((45, 70)), Segment(10, radius=2)])
-    assert len(robot) == 2
-    assert robot.segments[0].length == (45.0, 70.0)
-    assert robot.segments[0].max_bend == math.pi
-    assert robot.segments[0].max_curvature == math.inf
-    assert robot.radii == (0.0, 2.0)
-    assert Robot([Segment(1), Segment(2, radius=3)], radius=4).radii == (4.0, 4.0)
-    assert robot.mean_length == 67.5
-    np.testing.assert_array_equal(robot.base, np.eye(4))
-    assert repr(robot) == "Robot(2 segments, total length 55 to 80)"
-    assert repr(robot.segments[0]) == "Segment(length=(45, 70), max_bend=3.14159, radius=0)"
-
-
-def test_uniform_repeats_a_segment() -> None:
-    tendons = Tendons(3, 0.1)
-    base = sn.pose(direction=(0, 0, -1))
-    robot = Robot.uniform(3, (1, 2), 2.4, 0.5, 0.1, tendons=tendons, mount=0.2, base=base)
-    assert len(robot) == 3
-    for segment in robot.segments:
-        assert (segment.length, segment.max_bend, segment.max_curvature, segment.radius) == ((1.0, 2.0), 2.4, 0.5, 0.1)
-        assert segment.tendons is tendons
-    assert robot.mount == 0.2
-    np.testing.assert_array_equal(robot.base, base)
-
-
-def test_chambers_narrow_the_length() -> None:
-    assert Segment((0.5, 2.0), chambers=Chambers(3, 0.1, length=(1.0, 3.0))).length == (1.0, 2.0)
-    refused("chambers.length", lambda: Segment((0.5, 0.9), chambers=Chambers(3, 0.1, length=(1.0, 3.0))))
 
 
 @with_each("value", NOT_NUMBERS)
@@ -260,8 +220,3 @@ def test_limits_hold_to_the_same_share_in_every_unit(unit: float) -> None:
         assert (not robot.violations(bent)) is ok
         for q in (longer, bent):
             assert sn.check(robot, q).ok is ok
-
-
-def test_an_uncertainty_says_its_bound_and_its_level() -> None:
-    assert str(Uncertainty(2.5)) == "2.5, in the unit of the lengths, at 95 %"
-    assert str(Uncertainty([1.0, 2.0, 2.5], 0.9)) == "1, 2 and 2.5, in the unit of the lengths, at 90 %"

@@ -35,8 +35,4 @@ def test_bad_arc_parameters_are_refused(value: Any) -> None:
     refused("q", lambda: arc_parameters(value))
 
 
-def test_arc_parameters_that_do_not_fit_each_other_are_refused() -> None:
-    refused("curvature", lambda: from_arc_parameters(np.ones(3), np.ones(2), 1.0), "(3,) and (2,)")
-
-
 # Making robots

@@ -16,12 +16,6 @@ def test_a_round_rod_has_the_stiffness_of_its_material() -> None:
     assert rod.stretch == pytest.approx(54e9 * math.pi * 0.7e-3**2)
 
 
-def test_what_is_not_said_is_rigid() -> None:
-    own = sn.Segment(1.0, stiffness=3.0).stiffness
-    assert own is not None
-    assert (own.bend, own.twist, own.stretch) == (3.0, math.inf, math.inf)
-
-
 def test_what_cannot_be_is_refused() -> None:
     for key in ("bend", "twist", "stretch"):
         bad: Any = lambda value, key=key: sn.Stiffness(**({"bend": 1.0} | {key: value}))  # noqa: E731

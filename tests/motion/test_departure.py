@@ -124,32 +124,8 @@ def test_where_it_is_allowed_the_path_may_be_left() -> None:
     assert sn.Motion.from_dict({**old, "status": "solved"}, problems).solved  # written before anything was said of it
 
 
-def test_a_way_within_the_deviation_is_no_departure() -> None:
-    motion = sn.track(ROBOT, ACROSS, [PLATE], deviation=9.0)
-    assert motion.reconfigured == (3,)
-    assert motion.solved
-    assert motion.left_steps == ()
-    assert motion.verify().ok
-    assert 0.1 < off_line(motion, 1, 2).max() <= 9.0
-
-
-def test_the_way_to_the_first_waypoint_has_no_line() -> None:
-    start = np.tile([0.0, -0.6, 1.0], (4, 1))
-    motion = sn.track(ROBOT, [sn.Target((1.2, 0.0, 2.8)), sn.Target((1.5, 0.0, 2.8))], [PLATE], start=start)
-    assert motion.left_steps == ()
-    assert motion.status is not sn.Status.LEFT_PATH
-
-
 @with_each("wrong", ["never", "", True, None])
 def test_what_may_be_said_of_leaving_is_checked(wrong: object) -> None:
     expected = "expected refuse or allow"
     refused("reconfigure", lambda: sn.track(ROBOT, ACROSS, reconfigure=wrong), expected)  # type: ignore[arg-type]
     refused("reconfigure", lambda: sn.Job(ROBOT, path=ACROSS, reconfigure=wrong), expected)  # type: ignore[arg-type]
-
-
-def test_a_job_says_it() -> None:
-    job = sn.Job(ROBOT, path=ACROSS, scene=[PLATE], reconfigure="allow")
-    assert job.to_dict()["reconfigure"] == "allow"
-    assert job.track().solved
-    assert job.track(reconfigure="refuse").status is sn.Status.LEFT_PATH
-    assert "reconfigure" not in sn.Job(ROBOT, path=ACROSS).to_dict()

@@ -45,13 +45,6 @@ def test_a_path_says_what_its_first_waypoint_says() -> None:
     assert found.remedies
 
 
-def test_what_is_solved_needs_nothing() -> None:
-    found = sn.Motion(ROBOT, SIDES).explain()
-    assert (found.status, found.remedies, found.complete) == (sn.Status.SOLVED, (), True)
-    with pytest.raises(sn.InputError, match=r"^time"):
-        sn.Motion(ROBOT, SIDES).explain(-1.0)
-
-
 def test_verification_has_the_places_where_it_is_nearest() -> None:
     motion = sn.Motion(ROBOT, SIDES, [BALL])
     (step,) = motion.verify()

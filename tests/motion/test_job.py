@@ -11,7 +11,6 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
-from tests.cases import with_each
 from tests.helpers import refused, refused_each
 
 ARM = "segments: {count: 3, length: [0.8, 1.2], max_bend: 2}\nradius: 0.05\n"
@@ -57,23 +56,6 @@ def test_a_saved_job_stands_alone(job_file: Path) -> None:
     np.testing.assert_array_equal(again.solve().q, job.solve().q)
 
 
-def test_tolerance_start_and_preferences_are_those_of_the_file() -> None:
-    start = sn.solve(ROBOT, TARGET).q
-    job = sn.Job(ROBOT, TARGET, tolerance=sn.Tolerance(1e-7), start=start, prefer=sn.Preferences(bends=0.1))
-    solver = job.solver()
-    assert (solver.tolerance.position, solver.options.prefer.bends) == (1e-7, 0.1)
-    assert job.solve(prefer=None).start == "given"
-    assert job.solve(tolerance=sn.Tolerance(0.1)).problem.tolerance.position == 0.1
-
-
-def test_a_path_is_tracked() -> None:
-    path = sn.Job(ROBOT, path=[TARGET, [TARGET, sn.Target((0, 0.1, 1), segment=1)]], scene=[LAMP])
-    assert path.is_path
-    assert [len(targets) for targets in path.waypoints] == [1, 2]
-    assert len(path.track(time=0.01).solutions) == 2
-    refused("path", path.solve, "target or targets")
-
-
 CASES: dict[str, Any] = {
     "solved": TARGET,
     "direction alone": sn.Target(direction=(0, 1, 1)),
@@ -98,17 +80,6 @@ def test_a_solution_comes_back_from_its_result(tmp_path: Path, name: str, time: 
     found = job.result(tmp_path / "result.json")
     assert isinstance(found, sn.Solution)
     assert found.to_dict() == solution.to_dict()
-
-
-@with_each("status", [status for status in sn.Status if status not in (sn.Status.START_BLOCKED, sn.Status.LEFT_PATH)])
-def test_every_status_comes_back(status: sn.Status) -> None:
-    solution = sn.solve(ROBOT, TARGET, [LAMP])
-    reason = {"bound": "route", "needed": 0.1, "available": 0.2, "obstacle": "lamp"}
-    again = sn.Solution.from_dict({**solution.to_dict(), "status": str(status), "reason": reason}, solution.problem)
-    assert again.status is status
-    if status is sn.Status.NO_ROUTE:
-        assert again.reason is not None
-        assert again.reason.available == 0.2
 
 
 def test_a_track_comes_back_from_the_command_line(job_file: Path, capsys: pytest.CaptureFixture[str]) -> None:

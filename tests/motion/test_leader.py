@@ -44,20 +44,6 @@ def test_it_begins_drawn_back_and_ends_with_the_tip_at_the_end(entered: sn.Motio
     assert np.abs(STAGED.violations(entered.q[-1])).size == 0
 
 
-def test_retracting_is_the_same_backwards(entered: sn.Motion) -> None:
-    back = entered.reversed()
-    assert back.q.tolist() == entered.q[::-1].tolist()
-    np.testing.assert_allclose(np.diff(back.times), np.diff(entered.times)[::-1])
-    assert (back.times[0], back.solved) == (entered.times[0], True)
-    assert (back.clearance, back.self_clearance) == (entered.clearance, entered.self_clearance)
-
-
-def test_a_smaller_deviation_of_the_tip_takes_more_knots(entered: sn.Motion) -> None:
-    finer = sn.follow_the_leader(STAGED, BEZIER.points, tip_deviation=1e-6)
-    assert len(finer.q) > 1.5 * len(entered.q)
-    assert finer.deviation(sn.Curve(BEZIER.points, start=STAGED.base[:3, 3])).tip < 2e-6
-
-
 def test_a_curve_that_is_met_half_way_is_looked_at_elsewhere() -> None:
     """Ripples as long as the steps at first: the curve crosses the way of the tip at knots, and between them."""
     spacing = 1.0 / leader.FITTED
@@ -67,12 +53,6 @@ def test_a_curve_that_is_met_half_way_is_looked_at_elsewhere() -> None:
     staged = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), curve.length - 3.0)
     motion = sn.follow_the_leader(staged, curve, tip_deviation=1e-3)
     assert motion.deviation(curve, between=20).tip < 1.2e-3
-
-
-def test_an_arm_that_begins_with_no_length_at_all_unrolls() -> None:
-    arm = sn.Robot.uniform(2, (0.0, 1.0), max_bend=2.0)
-    motion = sn.follow_the_leader(arm, [(0.0, 0.0, 0.0), (0.1, 0.0, 1.0)], time=0.1, tip_deviation=1e-2)
-    assert np.isfinite(motion.q).all()
 
 
 def test_an_arm_that_stretches_unrolls_into_a_solved_shape() -> None:
@@ -143,16 +123,6 @@ def test_what_cannot_be_followed_is_refused(robot: sn.Robot, curve: Any, options
         sn.follow_the_leader(robot, curve, **options)
 
 
-def test_drawn_back_its_tip_is_at_the_base_of_before() -> None:
-    robot = sn.on_stage(ARM, 100)
-    tip = robot.forward([[0, 0, 0], [0, 0, 60], [0, 0, 60]])[-1]
-    np.testing.assert_allclose(tip, ARM.base, atol=1e-12)
-    pushed = robot.forward([[0, 0, 100], [0, 0, 60], [0, 0, 60]])[-1]
-    np.testing.assert_allclose(pushed[:3, 3], ARM.base[:3, 3] + 100 * ARM.base[:3, 2], atol=1e-12)
-    assert robot.segment_names == ("stage", "s1", "s2")
-    assert [actuator.name for actuator in robot.actuators] == [actuator.name for actuator in ARM.actuators]
-
-
 def test_what_is_known_of_each_segment_goes_onto_the_stage_too() -> None:
     arm = ARM.changed(
         clearance=(1, 2),
@@ -165,15 +135,6 @@ def test_what_is_known_of_each_segment_goes_onto_the_stage_too() -> None:
     assert robot.uncertainty is not None
     assert (robot.uncertainty.bound, robot.uncertainty.level) == ((0.5, 0.5, 0.7), 0.99)
     assert [(load.mass, load.segment) for load in robot.payload] == [(2, 2)]
-
-
-@pytest.mark.parametrize(
-    ("travel", "name", "message"),
-    [(0.0, "stage", "travel: expected a number greater than 0"), (1.0, "s1", "s1")],
-)
-def test_what_is_no_stage_is_refused(travel: float, name: str, message: str) -> None:
-    with pytest.raises(sn.InputError, match=message):
-        sn.on_stage(ARM, travel, name)
 
 
 def test_joints_carry_the_arm_along_the_curve() -> None:

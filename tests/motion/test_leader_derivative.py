@@ -55,18 +55,6 @@ def test_tips_stay_on_the_curve() -> None:
         np.testing.assert_allclose(base[:, 5] + [0.0, 0.0, 1.0], path.tangent(depth), atol=1e-6)
 
 
-def test_the_shapes_are_those_of_the_motion() -> None:
-    """As far as its rounds led."""
-    derivative = entered().derivative(CURVE, DEPTHS, "advance")
-    np.testing.assert_allclose(entered().at(DEPTHS), derivative.configurations, atol=1e-3)
-
-
-def test_where_segments_share_the_length_as_they_like_it_is_not_regular() -> None:
-    points = CURVE.points[:5]
-    motion = sn.follow_the_leader(sn.Robot.uniform(2, (0.2, 1.2), max_bend=2.4), points)
-    assert not motion.derivative(points, [0.83], "advance").regular
-
-
 def test_a_motion_that_is_led_anew_differs_by_them() -> None:
     """As far as fits of motions go: those end where a round brings little."""
     h = 0.02
@@ -98,12 +86,6 @@ def test_a_place_of_the_body_where_the_line_in_front_ends_is_a_kink() -> None:
     """The curvature of the path jumps there; a quarter of the last segment lies on the curve."""
     lead = line_in_front(STAGED, CURVE).lead
     assert not entered().derivative(CURVE, [lead + 0.25], "advance").regular
-
-
-def test_the_end_of_the_curve_is_a_kink() -> None:
-    motion = sn.follow_the_leader(STAGED, CURVE.points[:5])
-    assert motion.solved
-    assert not motion.derivative(CURVE.points[:5], motion.times[-1:]).regular
 
 
 def test_bad_input_is_refused() -> None:

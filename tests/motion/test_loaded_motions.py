@@ -8,7 +8,6 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
-from tests.helpers import refused
 from tests.solver.test_loaded_solve import GRAVITY, ROD, Q, arm
 from tests.solver.test_loaded_solve import cosserat as rods
 
@@ -177,14 +176,6 @@ def test_tendons_that_follow_arcs_are_proved_and_straight_ones_sampled(straight:
     assert motion.deviation(sn.Curve(CURVE.points, start=robot.base[:3, 3])).shares["shape"] < 0.02
 
 
-def test_a_load_that_bends_the_arm_off_any_line_ends_the_motion() -> None:
-    robot = staged(max_bend=0.2, stiffness=sn.Stiffness(0.001, 0.001))
-    motion = sn.follow_the_leader(robot, CURVE, tip_deviation=1e-3)
-    assert not motion.solved
-    assert not any(each.solved for each in motion.solutions[-1:])
-    refused("gravity", lambda: sn.follow_the_leader(staged(), CURVE, tip_deviation=1e-2).derivative(CURVE, [0.4]))
-
-
 RATES = sn.Rates(bend=1.0, length=1.0, acceleration=sn.Rates(bend=5.0, length=5.0))
 ROUND = 0.001
 CORNERS = np.stack([Q, Q + MOVED, Q + MOVED + np.array([[0.1, 0.15, 0.0], [0.15, -0.05, 0.0], [0.0, 0.2, 0.003]])])
@@ -222,28 +213,3 @@ def test_rounded_corners_keep_the_loaded_body_near_its_way() -> None:
     assert 0.1 * ROUND < off <= ROUND
     apart = np.array(rods(robot, middle)) - np.array(rods(robot, CORNERS[1]))
     assert 0.1 * ROUND < np.linalg.norm(apart[:, :3, 3], axis=1).max() <= 1.05 * ROUND
-
-
-def test_a_smaller_room_takes_a_smaller_corner() -> None:
-    robot = arm()
-    free, held = (sn.Motion(robot, CORNERS, scene) for scene in ([], [near_tip(robot, 0.003)]))
-    assert held.clearance is not None
-    times = [each.timed(RATES, blend=0.01).duration for each in (free, held)]
-    assert times[0] < times[1] < held.timed(RATES).duration
-    passed = held.timed(RATES, blend=0.01).at(np.linspace(0.0, times[1], 40))
-    assert min(sn.check(robot, each, held.scene).clearance for each in passed) > 0.5 * held.clearance
-
-
-def near_tip(robot: sn.Robot, gap: float) -> sn.Sphere:
-    """A ball that leaves so much room beside the tip at the corner, on its outer side."""
-    bodies = places(robot, CORNERS)[:, -1]
-    out = bodies[1] - 0.5 * (bodies[0] + bodies[2])
-    return sn.Sphere(bodies[1] + (0.015 + gap) * out / np.linalg.norm(out), 0.01)
-
-
-@pytest.mark.parametrize("tendons", [{"straight": True}, {"stiffness": 300.0}], ids=["straight", "elastic"])
-def test_where_nothing_bounds_a_rounded_corner_it_stops(tendons: dict[str, Any]) -> None:
-    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004, **tendons))
-    robot = sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
-    motion = sn.Motion(robot, CORNERS * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1])
-    assert motion.timed(RATES, blend=ROUND).stops == 1

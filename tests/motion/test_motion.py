@@ -1,7 +1,6 @@
 """A motion: knots, times, and what is proved of all of it."""
 
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
@@ -75,19 +74,6 @@ def test_a_motion_is_blocked_where_independent_sampling_sees_an_overlap(seed: in
         assert motion.status is (sn.Status.UNPROVED if motion.unproved_steps else sn.Status.SOLVED)
 
 
-def test_a_blocked_motion_is_read_as_it_was_written(tmp_path: Path) -> None:
-    across = np.stack([BENT, BENT * [-1.0, -1.0, 1.0]])
-    motion = sn.Motion(ROBOT, across, [sn.Sphere((0.0, 0.0, 2.0), 0.2)])
-    motion.save(tmp_path / "motion.yaml")
-    again = sn.load(tmp_path / "motion.yaml")
-    assert isinstance(again, sn.Motion)
-    assert (again.status, again.worst) == (motion.status, motion.worst)
-    finer = motion.resampled(20)
-    assert finer.status is sn.Status.BLOCKED
-    assert finer.worst is not None
-    assert finer.worst.time == pytest.approx(motion.worst.time if motion.worst else None, abs=0.06)
-
-
 def test_a_motion_that_was_falsified_between_its_waypoints_does_not_verify() -> None:
     """Knots are clear, and somebody says that the step is proved: it leads through a ball, and is looked at."""
     across = np.stack([BENT, BENT * [-1.0, -1.0, 1.0]])
@@ -113,29 +99,6 @@ def test_a_motion_that_was_falsified_in_its_file_does_not_verify() -> None:
     read = sn.Motion.from_dict(values, [solution.problem for solution in motion.solutions])
     assert read.solved
     assert not all(each.ok for each in read.verify())
-
-
-def test_a_motion_within_its_mount_is_written() -> None:
-    """Nothing there can be touched, so the clearance is infinite, which JSON cannot say."""
-    mounted = ROBOT.changed(mount=9.0)
-    motion = sn.track(mounted, [sn.Target(mounted.tip(q)[:3, 3]) for q in KNOTS[1:]], [BALL], start=STRAIGHT)
-    assert motion.solved
-    assert motion.clearance == np.inf
-    values = json.loads(json.dumps(motion.to_dict(), allow_nan=False))
-    assert values["clearance"] is None
-    assert sn.Motion.from_dict(values, [solution.problem for solution in motion.solutions]).solved
-
-
-def test_it_is_linear_between_knots() -> None:
-    motion = sn.Motion(ROBOT, KNOTS, times=[0.0, 0.5, 2.0])
-    np.testing.assert_array_equal(motion.at(0.5), BENT)
-    np.testing.assert_allclose(motion.at(0.25), 0.5 * (STRAIGHT + BENT), atol=1e-15)
-    many = motion.at([[0.0, 0.1], [1.9, 2.0]])
-    assert many.shape == (2, 2, 3, 3)
-    np.testing.assert_array_equal(many[1, 1], motion.q[2])
-    assert motion.largest_step[0] == pytest.approx(np.hypot(*(BENT - STRAIGHT)[..., :2].T).max())
-    for time in (-0.1, 2.1, [0.0, 3.0]):
-        refused("t", lambda time=time: motion.at(time), "times from 0 to 2")  # type: ignore[misc]
 
 
 def test_a_table_holds_knots_or_samples(tmp_path: Path) -> None:

@@ -1,8 +1,5 @@
 """Rates are kept by every call that writes times, or the motion says that they are not: judged by differences."""
 
-import math
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -95,14 +92,6 @@ def test_accelerations_hold_at_the_knots() -> None:
     assert keeps(motion, rates)
 
 
-def test_what_nothing_limits_takes_as_long_as_it_did() -> None:
-    motion = sn.plan(ROBOT, START, GOAL, rates=sn.Rates(acceleration=sn.Rates(bend=1e9)))
-    np.testing.assert_allclose(motion.times, sn.plan(ROBOT, START, GOAL).times)
-    still = sn.plan(ROBOT, START, START, rates=SLOW)
-    assert still.solved
-    assert math.isfinite(still.times[-1])
-
-
 def test_a_trajectory_is_a_motion_with_its_waypoints() -> None:
     pytest.importorskip("toppra")
     rates = sn.Rates(bend=1.0, length=40.0, acceleration=sn.Rates(bend=4.0, length=100.0))
@@ -122,10 +111,3 @@ def test_a_trajectory_is_a_motion_with_its_waypoints() -> None:
             assert np.linalg.norm(tips[knot] - np.asarray(target.position)) <= near + 0.02
         again = sn.Motion.from_dict(found.to_dict(), [s.problem for s in found.solutions], found.scene)
         np.testing.assert_array_equal(again.times, found.times)
-
-
-def test_a_job_keeps_the_rates_of_its_file() -> None:
-    own: dict[str, Any] = {"scene": [BALL], "start": START, "rates": SLOW}
-    assert keeps(sn.Job(ROBOT, goal=GOAL, **own).plan(), SLOW)
-    assert keeps(sn.Job(ROBOT, path=TARGETS, **own).track(), SLOW)
-    assert not keeps(sn.Job(ROBOT, path=TARGETS, **own).track(rates=None), SLOW)

@@ -8,7 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.motion.knots import Knot, TipLine
-from sinuous.motion.strands import slide, stations_along
+from sinuous.motion.strands import slide
 from sinuous.motion.tip_steps import TipSteps
 from tests.motion.test_departure import ACROSS, PLATE, off_line
 from tests.motion.test_departure import ROBOT as BROAD
@@ -55,13 +55,6 @@ def test_the_robot_changes_its_shape_while_the_tip_stays() -> None:
     assert sn.track(ROBOT, CORNER, start=start, shortest="configuration").solved
 
 
-def test_a_start_elsewhere_leaves_the_first_shape_open_to_slides() -> None:
-    motion = sn.track(ROBOT, CORNER, start=np.tile([0.0, 0.0, 100.0], (4, 1)))
-    assert motion.solved
-    assert motion.verify().ok
-    np.testing.assert_array_equal(motion.q[0], np.tile([0.0, 0.0, 100.0], (4, 1)))
-
-
 def test_directions_are_kept_between_waypoints() -> None:
     """The place was within the deviation, and the tip turned away from the line by several times what is allowed."""
     path = [sn.Target((60 + 30 * t, -40.0, 250.0), direction=(0.5 - t, 0.4, 1.0)) for t in (0.0, 1.0)]
@@ -101,13 +94,3 @@ def test_a_slide_keeps_the_targets() -> None:
 
 def _dense(knots: list[Floats]) -> Floats:
     return np.concatenate([np.linspace(a, b, 50) for a, b in pairwise(knots)])
-
-
-def test_long_lines_are_divided() -> None:
-    far = [(sn.Target((0.0, 0.0, 300.0)),), (sn.Target((0.0, 200.0, 300.0)),), (sn.Target((0.0, 200.0, 301.0)),)]
-    stations = stations_along(ROBOT, far)
-    assert [station.waypoint for station in stations if station.is_waypoint] == [0, 1, 2]
-    places = np.array([station.targets[0].position for station in stations])
-    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    assert steps.max() <= 0.1 * ROBOT.mean_length
-    assert steps.sum() == pytest.approx(201.0)

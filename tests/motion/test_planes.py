@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.answer.binding import Binding, in_words
 from sinuous.base.checks import Floats
 
 PLANE = 0.6
@@ -113,11 +112,3 @@ def test_a_segment_that_gives_way_leaves_its_plane_under_load_and_a_rigid_one_do
         assert robot.violations(q) == []
         across = abs(float(robot.shape(q).states[-1, 1]))
         assert across > 1e-4 if gives else across == 0.0
-
-
-def test_what_is_locked_is_said_with_its_value() -> None:
-    robot = ROBOTS["locked"]
-    sides = list(robot.limit_set.sides(shape(robot, [0.2, 0.3, 0.1], [40.0] * 3)))
-    said = in_words([Binding.of(each, robot) for each in sides], 3, values=True)
-    assert "fixed bend of segment 2: 0.3" in said
-    assert "bend across the plane of segments 1 and 3: 0" in said

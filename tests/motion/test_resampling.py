@@ -42,13 +42,6 @@ def test_what_is_written_says_whether_it_is_proved(tmp_path: Path) -> None:
             assert write(tmp_path / name, rate=37.0).between == "proved"
 
 
-def test_of_a_motion_that_is_not_proved_nobody_is_warned(tmp_path: Path) -> None:
-    within = motion([sn.Sphere(ROBOT.tip(TOP)[:3, 3], 0.1)])
-    assert within.between == "unproved"
-    assert within.to_csv(tmp_path / "rows.csv", rate=0.5).between == "proved"
-    assert within.to_csv(tmp_path / "rows.csv", rate=3.0).between == "unproved"
-
-
 @pytest.mark.parametrize("rate", [0.7, 1.0, 2.3, 11.0])
 def test_lines_are_as_clear_as_is_said(rate: float) -> None:
     rng = np.random.default_rng(int(10 * rate))

@@ -8,7 +8,6 @@ import pytest
 
 import sinuous as sn
 from sinuous.answer.solutions import column_names
-from tests.helpers import refused
 
 ROBOT = sn.Robot(
     [
@@ -36,18 +35,6 @@ def test_it_holds_every_number_to_the_last_digit(track: sn.Motion, tmp_path: Pat
         assert solution.actuators is not None
         assert {name: float(row[name]) for name in solution.actuators} == pytest.approx(solution.actuators, abs=1e-15)
         assert [float(row[name]) for name in column_names(ROBOT)[:9]] == solution.q.ravel().tolist()
-
-
-def test_a_motion_without_knots_is_a_table_without_rows(tmp_path: Path) -> None:
-    robot = sn.Robot.uniform(2, 1.0)
-    nothing = sn.track(robot, [sn.Target((0.0, 0.0, 9.0))])
-    assert len(nothing.q) == 0
-    nothing.to_csv(tmp_path / "none.csv")
-    assert len((tmp_path / "none.csv").read_text().splitlines()) == 1
-
-
-def test_a_file_that_cannot_be_written_is_named(track: sn.Motion, tmp_path: Path) -> None:
-    refused("file", lambda: track.to_csv(tmp_path), "cannot be written")
 
 
 def test_a_motor_and_a_joint_of_one_name_have_each_their_own_column(tmp_path: Path) -> None:

@@ -63,18 +63,6 @@ def test_proved_motions_under_load_keep_limits_of_tension() -> None:
     assert proved > 0
 
 
-def test_a_plan_from_beyond_is_refused_and_others_keep_limits() -> None:
-    robot = loaded(8.5)
-    found = sn.plan(robot, DOWN, UP, time=1.0)
-    assert found.status == "start_blocked"
-    assert found.worst is not None
-    assert found.worst.constraint == "actuator"
-    refused("goal", lambda: sn.plan(robot, UP, DOWN), "actuator")
-    motion = sn.plan(robot, UP, UP + 0.1 * (DOWN - UP), time=SECONDS)
-    assert motion.solved
-    assert most_pulled(robot, motion) <= 8.5 * (1.0 + 1e-9)
-
-
 @pytest.mark.parametrize("length", [60.0, (40.0, 80.0)], ids=["lengths stay", "lengths vary"])
 def test_plans_and_tracks_without_load_keep_limits_of_tension(length: Any) -> None:
     robot, random = arm(length), np.random.default_rng(4)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.problem.problem import Preferences
 from tests.cases import with_each
 from tests.helpers import refused
 
@@ -76,14 +75,6 @@ def test_where_no_way_is_found_the_step_is_not_proved(monkeypatch: pytest.Monkey
     assert min(float(sn.Scene([PLATE]).distance(ROBOT.backbone(q)).min()) for q in middle) < 0.05
 
 
-def test_what_is_not_solved_is_no_knot() -> None:
-    track = sn.track(ROBOT, [CIRCLE[0], CIRCLE[1], FAR, CIRCLE[2], CIRCLE[3]], deviation=0.5)
-    assert track.waypoint_knots == (0, 1, None, 2, 3)
-    np.testing.assert_array_equal(track.times, [0.0, 1.0, 3.0, 4.0])
-    assert (track.between, track.solved) == ("proved", False)
-    assert sn.track(ROBOT, [FAR]).q.shape == (0, 4, 3)
-
-
 def test_the_start_is_the_first_knot() -> None:
     first = sn.track(ROBOT, CIRCLE[:2], [BALL], deviation=0.1)
     begin = np.tile([0.0, 0.0, 1.0], (4, 1))
@@ -94,14 +85,6 @@ def test_the_start_is_the_first_knot() -> None:
     again = sn.track(ROBOT, CIRCLE[:2], [BALL], start=first.q[0], deviation=0.1)
     assert again.waypoint_knots == (0, 1)
     np.testing.assert_array_equal(again.q, first.q)
-
-
-def test_a_start_in_contact_overlaps_nothing() -> None:
-    """A ball that the straight body touches: nothing is proved of the first step, and nothing is blocked."""
-    straight = np.tile([0.0, 0.0, 1.0], (4, 1))
-    track = sn.track(ROBOT, CIRCLE[:1], [sn.Sphere((0.3, 0.0, 2.0), 0.25)], start=straight, time=0.2)
-    assert track.solutions[0].solved
-    assert track.status in (sn.Status.SOLVED, sn.Status.UNPROVED)
 
 
 @pytest.mark.parametrize(
@@ -180,20 +163,3 @@ def test_waypoints_are_reached_at_their_times() -> None:
         reached = [motion.times[knot] for knot in motion.waypoint_knots if knot is not None]
         np.testing.assert_allclose(reached, times.tolist())
     assert started.times[0] == pytest.approx(times[0] - (times[1] - times[0]))
-
-
-ARM = sn.Robot.uniform(5, (0.9, 1.1), 2.0, radius=0.02)
-WALL = sn.Sphere((1.2, 0.0, 2.5), 0.9)
-
-
-def test_a_robot_that_goes_on_keeps_its_room() -> None:
-    """It is led past a sphere, near which a solve from afar would lean on it."""
-    prefer = Preferences(clearance=0.1)
-    solver = sn.Solver(ARM, [WALL], prefer=prefer)
-    path = [sn.Target((x, 0.1, 4.4)) for x in np.linspace(0.3, 1.2, 10)]
-    last = solver.solve(path[0])
-    for target in path:
-        last = solver.solve(target, last)
-        assert last.solved
-        assert last.clearance is not None
-        assert last.clearance > 0.09

@@ -41,15 +41,6 @@ def test_where_an_obstacle_blocks_the_path_it_is_said() -> None:
     assert sn.track(ROBOT, PATH, [hit], start=START).status is sn.Status.START_BLOCKED
 
 
-def test_a_body_that_stands_still_is_proved_in_time() -> None:
-    """The same waypoint three times, and a ball that comes meanwhile: the robot has to get out of its way."""
-    ball = sn.Moving(sn.Sphere((0, 0, 0), 0.2), [0, 1, 2], [(9, 0, 1), (1.0, 0, 1.2), (9, 0, 1)])
-    target = sn.Target((1.4, 0.0, 2.0))
-    motion = sn.track(ROBOT, [target] * 3, [ball], times=[0, 1, 2])
-    assert motion.solved
-    assert least_clearance(motion) > 0.0
-
-
 def test_shorter_motions_are_proved_in_time_too() -> None:
     away = sn.Moving(sn.Sphere((0, 0, 0), 0.4), [0, 4], [(-2, 1.5, 1.2), (2, 1.5, 1.2)])
     first = sn.track(ROBOT, PATH, [away], times=TIMES)

@@ -39,12 +39,6 @@ def test_the_tip_goes_straight(deviation: float | None) -> None:
             np.testing.assert_array_equal(way.q[knot], solution.q)
 
 
-def test_more_knots_where_less_deviation_is_allowed() -> None:
-    counts = [len(sn.track(ROBOT, SPARSE, deviation=deviation).q) for deviation in (0.3, 0.03, 0.003)]
-    assert counts == sorted(counts)
-    assert counts[0] < counts[-1]
-
-
 def test_directions_turn_on_the_way() -> None:
     path = [
         sn.Target((1.0, 0.0, 3.0), direction=(0.5, 0.0, 1.0)),

@@ -120,15 +120,6 @@ def test_half_of_what_is_proved_to_be_free_is_left() -> None:
     assert off_the_way(motion, timed.at(np.linspace(0.0, timed.duration, 300))) > 1e-3
 
 
-def test_no_corner_is_rounded_where_nothing_is_proved() -> None:
-    q = wave().q
-    touching = sn.Motion(ARM, q, [sn.Sphere(ARM.forward(q[5])[-1, :3, 3], radius=5)])
-    assert not touching.solved
-    timed = touching.timed(BOTH, 0.3)
-    at_rest = np.abs(timed.velocity(timed.times)).max(axis=(1, 2)) < 1e-9
-    assert np.abs(timed.at(timed.times)[at_rest] - q[5]).max(axis=(1, 2)).min() < 1e-9
-
-
 def test_files_have_even_times_and_drive_the_joints_of_the_urdf(tmp_path: Path) -> None:
     timed = wave().timed(BOTH)
     timed.to_csv(tmp_path / "way.csv", rate=50)
@@ -205,31 +196,3 @@ def test_a_blended_way_takes_the_same_time_in_every_unit_of_length(unit: float) 
     shares = np.linspace(0.0, 1.0, 50)
     places = other.at(shares * other.duration) * (1.0, 1.0, 1.0 / unit)
     np.testing.assert_allclose(places, one.at(shares * one.duration), atol=1e-5)
-
-
-@pytest.mark.parametrize("longer", [1e-3, 1e-6, 1e-8, 1e-11])
-def test_a_blended_way_does_not_jump(longer: float) -> None:
-    """Where next to nothing of a leg is left between two blends, it was left out."""
-    aside = np.array([[0, 0], [1, 0], [2 + longer, 1], [3 + 2 * longer, 1], [4 + 2 * longer, 0]]) * 0.1
-    q = np.zeros((5, 3, 3))
-    q[:, 0, :2], q[:, :, 2] = aside, 57.0
-    timed = sn.Motion(ARM, q, [FAR]).timed(BOTH, 1e3)
-    t = np.linspace(0.0, timed.duration, 20_001)
-    steps = np.hypot(*np.moveaxis(np.diff(timed.at(t), axis=0)[:, 0, :2], -1, 0))
-    assert (steps <= timed.duration / 20_000 * 1.0 * (1.0 + 1e-7)).all()
-
-
-@with_each("seed", range(6))
-def test_a_blend_never_takes_longer_than_stops(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    motion = sn.Motion(ARM, rng.uniform(-0.6, 0.6, (6, 3, 3)) * (1.0, 1.0, 8.0) + (0.0, 0.0, 57.0), [FAR])
-    stops = motion.timed(BOTH).duration
-    for blend in (0.3, 2.0, 20.0):
-        assert motion.timed(BOTH, blend).duration <= stops
-
-
-def test_it_is_saved_like_a_motion(tmp_path: Path) -> None:
-    timed = smooth(4).timed(BOTH)
-    assert timed.save(tmp_path / "way.json").equals(sn.Motion.load(tmp_path / "way.json"))
-    timed.to_npz(tmp_path / "way.npz")
-    np.testing.assert_array_equal(sn.Motion.load(tmp_path / "way.npz", ARM, [FAR]).q, timed.as_motion().q)

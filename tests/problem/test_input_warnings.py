@@ -55,13 +55,6 @@ def arms() -> list[tuple[float, dict[str, float]]]:
     ]
 
 
-def test_right_units_are_silent() -> None:
-    for unit, own in arms():
-        robot = arm(unit, **{key: value / unit for key, value in own.items()})
-        target = [[sn.Target((0.1 / unit, 0.0, 0.2 / unit))]]
-        assert problem_warnings(robot, sn.Scene().snapshot(), target) == []
-
-
 @pytest.mark.parametrize("key", ["tendons", "limit", "radius", "tool", "target"])
 def test_one_length_in_another_unit_is_said_once(key: str) -> None:
     for unit, own in arms():
@@ -141,11 +134,6 @@ def test_the_warning_can_be_switched_off_and_is_given_once() -> None:
         warnings.simplefilter("ignore", sn.SuspiciousInput)
         solution = sn.solve(robot, sn.Target((0, 0, 9)))
     solution.explain(time=1.0)  # what is tried again does not warn again
-
-
-def test_a_payload_without_gravity_is_noted() -> None:
-    (note,) = said(ROBOT.changed(payload=sn.Payload(0.1)))
-    assert "gravity" in note
 
 
 def test_degrees_of_planes_and_joints() -> None:

@@ -12,10 +12,6 @@ from tests.scene.shapes import cube
 ROBOT = sn.Robot.uniform(5, (45, 70))
 
 
-def test_the_default_position_tolerance_is_relative() -> None:
-    assert sn.Problem(ROBOT, sn.Target((0, 0, 9))).tolerance == sn.Tolerance(1e-4 * 287.5, 1e-3)
-
-
 @with_each("value", [0, -1, float("nan"), float("inf"), "1", True, None])
 def test_wrong_tolerances_are_refused(value: Any) -> None:
     with pytest.raises(sn.InputError, match="angle"):
@@ -30,10 +26,6 @@ def test_wrong_preferences_are_refused(key: str) -> None:
             sn.Preferences(**wrong)
     assert sn.Preferences(**{key: 1})
     assert not sn.Preferences()
-
-
-def test_a_list_of_obstacles_is_a_scene() -> None:
-    assert len(sn.Problem(ROBOT, sn.Target((0, 0, 9)), [sn.Sphere((0, 0, 0), 1)]).scene) == 1
 
 
 @pytest.mark.parametrize("size", [0.01, 1e6])

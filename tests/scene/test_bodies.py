@@ -40,17 +40,6 @@ def test_bodies_are_divided_where_they_may_overlap(body: Triangles, count: int) 
     np.testing.assert_allclose(united[united > 0.0], whole[united > 0.0], atol=1e-12)
 
 
-def test_the_first_part_has_all_defects() -> None:
-    parts = Mesh(*inverted(together(cube(), cube(0.5)))).bodies()
-    assert [len(part.defects) for part in parts] == [1, 0]
-
-
-def test_shells_and_rooms_are_not_divided() -> None:
-    vertices, faces = together(cube(), cube(0.5))
-    for mesh in (Mesh(vertices, faces[1:]), Mesh(vertices, faces, inside=True)):
-        assert mesh.bodies() == (mesh,)
-
-
 def turned(body: Triangles, rng: np.random.Generator, size: float = 1.0, at: float = 0.0) -> Triangles:
     """The same, turned, scaled and moved: nothing depends on that."""
     return size * (body[0] @ random_rotation(rng).T + at), body[1]

@@ -35,19 +35,9 @@ def test_boxes_fit(obstacle: Obstacle) -> None:
             assert scene.distance(face).min() < 0.06 * float(np.linalg.norm(high - low))
 
 
-def test_a_cylinder_is_within_the_box_of_its_own_frame() -> None:
-    box = np.asarray(sn.Cylinder((0, 0, 0), (0, 0, 2), 0.5)._box)
-    np.testing.assert_allclose(box, [[-0.5, -0.5, 0.0], [0.5, 0.5, 2.0]], atol=1e-12)
-
-
 def test_what_has_no_end_or_nothing_in_it_has_no_box() -> None:
     assert sn.HalfSpace((0, 0, 0), (0, 0, 1))._box is None
     assert sn.Grid(np.zeros((2, 2, 2), bool), (0, 0, 0), 1.0)._box is None
-
-
-def test_samples_fill_their_box() -> None:
-    field = sn.Field(lambda points: np.linalg.norm(points, axis=1) - 0.5, (-1, -1, -1), (1, 1, 1), 0.5)
-    np.testing.assert_allclose(np.asarray(field._box), [[-1, -1, -1], [1, 1, 1]])
 
 
 def test_boxes_of_many_are_those_of_each() -> None:

@@ -15,7 +15,6 @@ from scipy.spatial import cKDTree
 from sinuous.kernels.fields import distances, solids
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING, TREE
 from sinuous.measures.obstacles import measure
-from sinuous.model.poses import pose
 from sinuous.scene.grids import Field, Grid, sample_points
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
@@ -275,19 +274,6 @@ def test_on_triangles_edges_and_corners_distance_is_nothing(name: str) -> None:
     scene = Scene([mesh])
     np.testing.assert_allclose(scene.distance(points), -0.5 * mesh.thickness, atol=2e-13)
     np.testing.assert_allclose(np.linalg.norm(scene.gradient(points), axis=1), 1.0, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", ["ball of triangles", "hollow mesh", "shell", "mesh around"])
-def test_the_field_moves_with_the_mesh(name: str) -> None:
-    mesh = case(name).obstacle
-    assert isinstance(mesh, Mesh)
-    motion = pose((3.0, -1.0, 0.5), rotation=TURN @ TURN)
-    moved = Mesh(
-        mesh.vertices @ motion[:3, :3].T + motion[:3, 3], mesh.faces, thickness=mesh.thickness, inside=mesh.inside
-    )
-    points = around(19, 500)
-    there = points @ motion[:3, :3].T + motion[:3, 3]
-    np.testing.assert_allclose(Scene([moved]).distance(there), Scene([mesh]).distance(points), atol=1e-12)
 
 
 @pytest.mark.parametrize("name", SAMPLED)

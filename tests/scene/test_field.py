@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pytest
 
 from sinuous.scene.grids import MOST, Field
 from tests.cases import with_each
@@ -31,18 +30,6 @@ def test_samples_are_the_function_on_a_grid_that_covers_the_box() -> None:
     assert Field(ball, LOW, HIGH, 9).values.shape == (2, 2, 2)
 
 
-def test_the_function_sees_few_large_batches() -> None:
-    sizes = []
-
-    def counted(points: Floats) -> Floats:
-        sizes.append(len(points))
-        return ball(points)
-
-    field = Field(counted, LOW, HIGH, 0.04)
-    assert sum(sizes) == field.values.size > 300_000
-    assert len(sizes) < 10
-
-
 @with_each(
     ("function", "words"),
     [
@@ -66,11 +53,3 @@ def test_wrong_boxes_are_refused() -> None:
     refused_each("spacing", [*NOT_NUMBERS, 0.0, -1.0], lambda value: Field(ball, LOW, HIGH, value))
     tiny = (1e-3, 1e-9, 1e-300)
     refused_each("spacing", tiny, lambda value: Field(ball, LOW, HIGH, value), f"at most {MOST} samples")
-
-
-def test_an_error_of_the_function_is_the_callers() -> None:
-    def broken(points: Floats) -> Floats:
-        raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        Field(broken, LOW, HIGH, 0.3)

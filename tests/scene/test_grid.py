@@ -43,10 +43,6 @@ def test_occupancy(kind: Any) -> None:
     assert Grid(np.ones((1, 1, 1), bool), ORIGIN, 1).occupancy
 
 
-def test_a_cut_off_distance_is_one() -> None:
-    assert Grid(np.clip(distances(), -0.2, 0.3), ORIGIN, SPACING).values.max() == 0.3
-
-
 @with_each("step", [(1, 0, 0), (0, 0, -1), (1, 1, 0), (1, -1, 1), (-1, 1, 1), (0, 1, -1)])
 def test_what_changes_too_fast_is_refused(step: tuple[int, int, int]) -> None:
     """One value is wrong by more than a distance can be to one of its 26 neighbours, if not to the others."""

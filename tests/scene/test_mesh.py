@@ -10,7 +10,6 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from sinuous.base.errors import InputError
 from sinuous.measures.obstacles import measure
 from sinuous.scene import mesh_files, triangles
 from sinuous.scene.mesh import Mesh
@@ -51,11 +50,6 @@ def test_a_soup_of_triangles_is_sewn_together() -> None:
     assert Mesh(*signed_zero).watertight
 
 
-def test_two_bodies_that_touch_stay_solid() -> None:
-    """As one surface, the common edge would have four triangles."""
-    assert Mesh(*together(cube(), cube(1.0, (1.0, 1.0, 0.0)))).watertight
-
-
 def test_holes_make_a_shell() -> None:
     mesh = Mesh(*OPEN, thickness=0.1)
     assert not mesh.watertight
@@ -63,21 +57,6 @@ def test_holes_make_a_shell() -> None:
     (defect,) = mesh.defects
     assert defect == "3 edges with one triangle only (holes), so it is used as a shell and not as a solid"
     assert len(mesh.faces) == 11
-
-
-def test_too_many_triangles_at_an_edge_make_a_shell() -> None:
-    vertices, faces = cube()
-    fin = (np.concatenate([vertices, [[3.0, 0.0, 0.0]]]), np.concatenate([faces, [[0, 1, 8]]]))
-    (defect,) = Mesh(*fin).defects
-    assert defect.startswith(
-        "2 edges with one triangle only (holes), 1 edge with more than two triangles (not manifold)"
-    )
-
-
-def test_a_sheet_folded_back_encloses_nothing() -> None:
-    sheet = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 1]])
-    assert not sheet.watertight
-    assert "encloses no volume" in sheet.defects[0]
 
 
 @pytest.mark.parametrize(
@@ -94,12 +73,6 @@ def test_bodies_that_face_inwards_are_turned(body: Any, turned: int, size: float
     assert mesh.watertight
     assert mesh.defects == (f"{turned} triangles faced inwards and were turned",)
     assert volume(mesh) == pytest.approx(size)
-
-
-def test_a_cavity_faces_inwards_and_stays() -> None:
-    mesh = Mesh(*together(cube(), inverted(cube(0.5))))
-    assert mesh.defects == ()
-    assert volume(mesh) == pytest.approx(0.875)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -314,13 +287,6 @@ def test_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     refused_each("scale", [*NOT_NUMBERS, 0.0, -1.0], lambda value: load("a.obj", b"", value)())
     with pytest.raises(TypeError, match="scale"):
         Mesh.load(tmp_path / "a.obj")  # type: ignore[call-arg]
-
-
-def test_a_refusal_of_its_content_names_the_file(tmp_path: Path) -> None:
-    file = tmp_path / "a.obj"
-    file.write_text("v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 3\n")
-    with pytest.raises(InputError, match=r"a\.obj: vertices\[2\]: expected 3 finite numbers, got \[nan, 0\.0, 0\.0\]"):
-        Mesh.load(file, 1.0)
 
 
 def test_without_trimesh_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

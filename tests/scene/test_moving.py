@@ -1,8 +1,5 @@
 """Obstacles that move: where they are, and that the scene at a time is the scene of what was moved there."""
 
-import pickle
-from pathlib import Path
-
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -64,14 +61,6 @@ def test_positions_are_linear_and_turns_even_between_times() -> None:
     np.testing.assert_array_equal(moving.pose(5.0), moving.pose(3.0))
 
 
-def test_nothing_is_computed_again_where_a_cloud_or_mesh_is_elsewhere() -> None:
-    obstacles = [sn.Moving(obstacle, [0, 1], [(0, 0, 0), (1, 2, 3)]) for obstacle in (sn.Mesh(*cube()), OBSTACLES[7])]
-    scene = sn.Scene(obstacles)
-    one, other = (scene.at(t).snapshot() for t in (0.2, 0.7))
-    for a, b in zip(one._parts or (), other._parts or (), strict=True):
-        assert a.store is b.store
-
-
 def test_poses_may_be_given_in_several_ways() -> None:
     ball = sn.Sphere((1, 0, 0), 0.1)
     turns = Rotation.from_rotvec([(0, 0, 0), (0, 0, 1), (0, 0, 2)])
@@ -102,30 +91,6 @@ def test_a_moving_scene_has_distances_and_solutions_at_a_time_only() -> None:
     assert sn.solve(robot, sn.Target((0, 0, 2)), scene.at(0.5)).solved
     assert scene.at(0.5).at(0.7).equals(scene.at(0.5))
     assert "move" in repr(scene)
-
-
-def test_it_has_a_name_and_a_kind_and_scenes_at_a_time_travel() -> None:
-    moving = sn.Moving(sn.PointCloud([(0, 0, 0)], 0.1, name="dust"), TIMES, POSITIONS, TURNS)
-    assert (moving.name, moving.kind) == ("dust", "points")
-    assert moving.named("other").at(0.0).name == "other"
-    there = pickle.loads(pickle.dumps(sn.Scene([moving]).at(0.4)))
-    assert there.equals(sn.Scene([moving]).at(0.4))
-
-
-def test_a_file_says_the_same(tmp_path: Path) -> None:
-    cloud = tmp_path / "points.xyz"
-    cloud.write_text("0 0 0\n1 0 0\n")
-    scene = sn.Scene(
-        [
-            sn.Moving(sn.Sphere((0, 0, 0), 1.0, name="ball"), TIMES, POSITIONS),
-            sn.Moving(sn.PointCloud.load(cloud, 0.1), TIMES, POSITIONS, TURNS),
-            sn.Sphere((1, 2, 3), 1.0),
-        ]
-    )
-    scene.save(tmp_path / "scene.yaml")
-    again = sn.load(tmp_path / "scene.yaml", sn.Scene)
-    assert again.equals(scene)
-    assert "points.xyz" in (tmp_path / "scene.yaml").read_text()
 
 
 def test_what_is_wrong_is_refused_by_name() -> None:

@@ -10,7 +10,7 @@ from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
-from sinuous.scene.snapshot import least_gap, room_at
+from sinuous.scene.snapshot import room_at
 from tests.helpers import Floats
 from tests.solver.test_live import MADE
 
@@ -73,10 +73,3 @@ def test_a_place_has_as_much_room_as_other_code_says(name: str) -> None:
         found = room_at(place, scene)
         assert found.distance == pytest.approx(expected.distance, abs=1e-9)
         assert found.obstacle == expected.obstacle
-
-
-def test_nothing_is_nowhere() -> None:
-    assert least_gap(np.zeros((2, 3)), np.zeros(2), Scene().snapshot()) == (np.inf, None, None)
-    ball = Scene([Sphere((0, 0, 0), 1.0)]).snapshot()
-    assert least_gap(np.zeros((0, 3)), np.zeros(0), ball) == (np.inf, None, None)
-    assert least_gap(np.array([[0, 0, 3.0], [0, 0, 2.0]]), np.array([0.1, 0.2]), ball) == (0.8, 1, "sphere[0]")

@@ -8,45 +8,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.scene.grids import Grid
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere, rows_of
-from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere, rows_of
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
-from tests.scene.shapes import cube
-
-
-def every() -> list[Obstacle]:
-    return [
-        Sphere((0, 0, 0), 1, name="ball"),
-        Box((0, 0, 0), (1, 1, 1), name="box"),
-        Capsule((0, 0, 0), (0, 0, 1), 1, name="pill"),
-        Cylinder((0, 0, 0), (0, 0, 1), 1, name="can"),
-        HalfSpace((0, 0, 0), (0, 0, 1), name="floor"),
-    ]
-
-
-def test_kinds_are_those_of_problem_files() -> None:
-    assert [o.kind for o in every()] == ["sphere", "box", "capsule", "cylinder", "half_space"]
-    assert Mesh(*cube()).kind == "mesh"
-    assert PointCloud([[0, 0, 0]], 1).kind == "points"
-    assert Grid(np.ones((2, 2, 2), bool), (0, 0, 0), 1).kind == "grid"
-
-
-def test_names() -> None:
-    for obstacle in every():
-        other = obstacle.named("other")
-        assert other.name == "other"
-        assert type(other) is type(obstacle)
-        assert {key: value for key, value in vars(other).items() if key != "name"} == {
-            key: value for key, value in vars(obstacle).items() if key != "name"
-        }
-    assert every()[0].named(None).name is None
-    assert [o.name for o in every()] == ["ball", "box", "pill", "can", "floor"]
-    assert Sphere((0, 0, 0), 1).name is None
-    refused_each("name", ("", 3, True, b"ball"), lambda name: Sphere((0, 0, 0), 1, name=name))
-
 
 VECTORS: list[tuple[str, Callable[[Any], Any]]] = [
     ("center", lambda v: Sphere(v, 1)),

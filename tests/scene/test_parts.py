@@ -13,25 +13,6 @@ from sinuous.scene.sampling import Progress
 from tests.scene import shapes
 
 
-def test_different_obstacles_are_prepared_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
-    both = threading.Barrier(2, timeout=60.0)
-    made: list[str] = []
-
-    def slow(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
-        both.wait()  # breaks when only one of them gets here
-        made.append(name)
-        return Part(np.zeros(18), np.zeros(0))
-
-    monkeypatch.setattr(parts, "_prepare", slow)
-    meshes = {name: Mesh(*shapes.cube()) for name in ("left", "right")}
-    threads = [threading.Thread(target=parts.prepare, args=(mesh, name)) for name, mesh in meshes.items()]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert sorted(made) == ["left", "right"]
-
-
 def test_one_obstacle_is_prepared_once(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
 

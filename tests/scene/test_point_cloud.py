@@ -2,7 +2,6 @@
 
 import contextlib
 import struct
-import sys
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,24 +17,6 @@ from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)).round(3)
-
-
-def test_a_radius_for_all_or_for_each() -> None:
-    cloud = PointCloud(POINTS, 0.1, name="scan")
-    np.testing.assert_array_equal(cloud.radii, np.full(20, 0.1))
-    np.testing.assert_array_equal(cloud.points, POINTS)
-    assert cloud.name == "scan"
-    assert not cloud.points.flags.writeable
-    assert not cloud.radii.flags.writeable
-    radii = np.linspace(0.0, 1.0, 20)
-    np.testing.assert_array_equal(PointCloud(POINTS.tolist(), radii.tolist()).radii, radii)
-
-
-def test_the_cloud_keeps_its_own_points() -> None:
-    points = POINTS.copy()
-    cloud = PointCloud(points, 0.1)
-    points += 1.0
-    np.testing.assert_array_equal(cloud.points, POINTS)
 
 
 def save_las(file: Path, record: Any = None, withheld: int = 0) -> None:
@@ -221,19 +202,6 @@ class Unpickled:
         return pytest.fail, ("unpickled",)
 
 
-def test_an_array_of_another_shape_is_refused(tmp_path: Path) -> None:
-    np.save(tmp_path / "a.npy", np.zeros((5, 4)))
-    with pytest.raises(InputError, match=r"a\.npy: points: shape \(5, 4\); expected three columns x, y, z, got .*"):
-        PointCloud.load(tmp_path / "a.npy", 1.0)
-
-
-def test_only_ply_needs_trimesh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = save(tmp_path, "ply")
-    monkeypatch.setitem(sys.modules, "trimesh", None)
-    refused("file", lambda: PointCloud.load(file, 1.0), "needs trimesh", "pip install sinuous[mesh]")
-    assert len(PointCloud.load(save(tmp_path, "pcd"), 1.0).points) == 20
-
-
 IN_FILES = np.random.default_rng(0).normal(size=(50, 3)).astype("<f4")
 RECORD = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("normal", "<f8", (3,)), ("rgb", "<u4"), ("_", "<i2")])
 
@@ -316,12 +284,6 @@ def test_every_kind_of_data(kind: str, data: bytes) -> None:
 def test_expanding_undoes_compressing(data: bytes) -> None:
     assert expand_lzf(compressed(data), len(data)) == data
     assert expand_lzf(literal(data), len(data)) == data
-
-
-@given(st.binary(max_size=60), st.integers(0, 100))
-def test_damaged_compression_is_an_error_and_no_crash(data: bytes, size: int) -> None:
-    with contextlib.suppress(ValueError, IndexError):
-        assert len(expand_lzf(data, size)) == size
 
 
 def refuse(content: bytes, message: str) -> None:

@@ -16,7 +16,6 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from tests.helpers import refused
 from tests.scene import shapes
 
 
@@ -75,15 +74,3 @@ def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPa
     with pytest.raises(KeyboardInterrupt):
         Scene([Mesh(*shapes.ball(2))]).prepare(interrupted)
     assert len(computed) < sampling.SLABS // 2
-
-
-def test_memory_is_bounded_and_said() -> None:
-    scene = Scene([PointCloud(np.random.default_rng(2).normal(size=(40_000, 3)), 0.01)])
-    assert 8 * sampling.MOST < scene.memory < 8 * sampling.MOST + 40_000 * 150
-
-
-def test_bodies_that_overlap_must_come_one_by_one() -> None:
-    both = Mesh(*shapes.together(shapes.cube(), shapes.cube(1.0, (0.4, 0.1, 0.2))), name="engine")
-    refused("engine", lambda: Scene([both]).prepare(), "cuts through itself")
-    inside = (0.4, 0.1, 0.2)
-    assert Scene(both.bodies()).distance(inside) < -0.1

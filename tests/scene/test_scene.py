@@ -28,13 +28,6 @@ OBSTACLES = [
 SCENE = Scene(OBSTACLES)
 
 
-def test_a_scene_becomes_another_of_as_many_obstacles() -> None:
-    scene = Scene([Sphere((0, 0, 0), 1)])
-    scene.become(Scene([Sphere((5, 0, 0), 1)]).snapshot())
-    assert scene.distance((5, 0, 0)) == -1.0
-    refused("snapshot", lambda: scene.become(Scene().snapshot()), "as many obstacles as before: 1")
-
-
 def test_the_union_is_as_far_as_its_nearest() -> None:
     points = 3.0 * np.random.default_rng(0).normal(size=(300, 3))
     each = np.stack([Scene([obstacle]).distance(points) for obstacle in OBSTACLES])
@@ -64,17 +57,6 @@ def test_an_empty_scene_is_infinitely_far() -> None:
     assert empty.nearest((0, 0, 0)) == -1
     np.testing.assert_array_equal(empty.gradient((0, 0, 0)), np.zeros(3))
     np.testing.assert_array_equal(empty.distance(np.zeros((2, 3))), [math.inf, math.inf])
-
-
-def test_scenes_in_scenes_give_their_obstacles() -> None:
-    nested = Scene([Scene(OBSTACLES[:2]), OBSTACLES[2], Scene(), Scene([Scene(OBSTACLES[3:])])])
-    assert nested.obstacles == tuple(OBSTACLES)
-    assert repr(nested) == "Scene(4 obstacles)"
-    assert len(Scene(iter(OBSTACLES))) == 4
-
-
-def test_names_say_kind_and_place() -> None:
-    assert [SCENE.name(i) for i in range(4)] == ["sphere[0]", "box[1]", "pipe", "half_space[3]"]
 
 
 def test_what_is_no_obstacle_is_refused() -> None:

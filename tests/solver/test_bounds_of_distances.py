@@ -86,13 +86,6 @@ def test_only_distances_block_a_target_beside_an_obstacle() -> None:
     assert str(sn.solve(ROBOT, beside, [exact]).status) == "target_blocked"
 
 
-def test_a_base_beside_a_bound_is_not_blocked() -> None:
-    """The base stands in the open, where a twentieth of the distance is less than the radius of the body."""
-    robot = ROBOT.changed(mount=0.05)
-    for obstacle in (field_of(0.05), grid_of(0.05 * samples(), exact=False), grid_of(np.minimum(samples(), 0.02))):
-        assert not impossible(sn.solve(robot, FREE, [obstacle], time=0.2))
-
-
 def test_what_is_said_of_values_is_checked_and_kept(tmp_path: object) -> None:
     grid = grid_of(samples(), exact=False, truncated=0.3)
     assert (grid.exact, grid.truncated, grid.exact_below) == (False, 0.3, 0.0)
@@ -105,16 +98,3 @@ def test_what_is_said_of_values_is_checked_and_kept(tmp_path: object) -> None:
             grid_of(samples(), **wrong)
     with pytest.raises(sn.InputError, match="exact"):
         grid_of(samples() < 0.0, exact=True)
-
-
-@pytest.mark.parametrize("said", [{}, {"exact": False}])
-def test_a_lower_bound_blocks_neither_start_nor_goal_of_a_plan(said: dict[str, object]) -> None:
-    """0.05 of a distance: beside a body in the open it is less than the radius, which is no overlap."""
-    start = np.array([[0.0, 0.0, 0.3]] * 3)
-    goal = np.array([[-0.2, 0.0, 0.3]] * 3)
-    for obstacle in (field_of(0.05, **said), grid_of(0.05 * samples(), exact=False)):
-        motion = sn.plan(ROBOT, start, goal, [obstacle], time=0.2)
-        assert motion.status is sn.Status.TIME_LIMIT
-    within = np.array([[0.9, 0.0, 0.4]] * 3)
-    told = sn.plan(ROBOT, within, goal, [sn.Sphere(ROBOT.tip(within)[:3, 3], 0.1)], time=0.2)
-    assert told.status is sn.Status.START_BLOCKED

@@ -8,7 +8,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pytest
 
 import sinuous as sn
 from sinuous.answer.step import Step
@@ -72,17 +71,6 @@ def test_the_model_alone_misses() -> None:
 def test_the_tip_converges_on_the_target() -> None:
     poses = run(sn.Target(TARGET), lambda q: real_pose(q)[:3, 3], 60)
     assert off(poses[-1]) < 1e-4 * LENGTH
-
-
-@pytest.mark.parametrize("delay", [0, 2, 5])
-def test_noise_and_delay(delay: int) -> None:
-    poses = run(sn.Target(TARGET), lambda q: real_pose(q)[:3, 3], 200, noise=0.5, delay=delay)
-    late = np.array([pose[:3, 3] for pose in poses[60:]])
-    assert np.linalg.norm(late.mean(axis=0) - TARGET) < 1e-3 * LENGTH
-    assert np.sqrt(((late - TARGET) ** 2).sum(axis=1).mean()) < 2e-3 * LENGTH
-    calm = run(sn.Target(TARGET), lambda q: real_pose(q)[:3, 3], 300, noise=0.5, delay=delay, gain=0.03)
-    steady = np.array([pose[:3, 3] for pose in calm[150:]])
-    assert np.sqrt(((steady - TARGET) ** 2).sum(axis=1).mean()) < 1e-3 * LENGTH
 
 
 def test_poses_are_met_too() -> None:

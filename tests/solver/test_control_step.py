@@ -47,14 +47,6 @@ def cost(q: Floats, asked: Floats, motion: Floats) -> float:
     return float(((jacobian(q) @ z - ASKED * asked) ** 2).sum() + LEAST_DAMPING * z @ z)
 
 
-@with_each("seed", range(5))
-def test_no_twist_is_no_motion_where_nothing_pushes(seed: int) -> None:
-    q = shape(np.random.default_rng(seed))
-    step = free_solver().step(q, np.zeros(6), 0.001, rates=sn.Rates(bend=1))
-    assert np.array_equal(step.q, q)
-    assert (step.status, step.share, step.active, step.proved) == ("reached", 1.0, (), True)
-
-
 @with_each("seed", range(20))
 def test_a_small_free_step_is_least_squares_by_the_least_motion(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -64,15 +56,6 @@ def test_a_small_free_step_is_least_squares_by_the_least_motion(seed: int) -> No
     np.testing.assert_allclose(step.velocity.ravel(), expected, atol=1e-4 * np.abs(expected).max())
     np.testing.assert_allclose(step.twist, asked, atol=1e-4 * np.abs(asked).max())
     assert step.status == "reached"
-
-
-def test_three_numbers_leave_the_orientation_free() -> None:
-    q, asked = shape(np.random.default_rng(3)), np.array([10.0, -20.0, 5.0])
-    expected = METRIC * (np.linalg.pinv(jacobian(q)[3:]) @ (asked / UNIT))
-    step = free_solver().step(q, asked, 1e-3)
-    np.testing.assert_allclose(step.velocity.ravel(), expected, atol=1e-5 * np.abs(expected).max())
-    np.testing.assert_allclose(step.twist[3:], asked, rtol=1e-5)
-    assert step.share == pytest.approx(1.0, abs=1e-5)
 
 
 @with_each("seed", range(10))
@@ -170,16 +153,6 @@ def test_singular_shapes_move_little(bend: float) -> None:
         assert np.linalg.norm(step.velocity.ravel() / METRIC) <= 1.01 * GAIN * np.linalg.norm(ASKED * asked)
         wanted, reached = ASKED * asked, ASKED * step.twist
         assert np.linalg.norm(reached - wanted) <= np.linalg.norm(wanted)
-
-
-def test_near_a_singular_shape_steps_depend_on_it_continuously() -> None:
-    asked = np.array([0.0, 0.0, 0.0, 0.0, 20.0, 0.0])
-    last: Floats | None = None
-    for bend in np.linspace(0.05, 0.15, 60):
-        q = np.tile([bend, 0.0, 55.0], (N, 1)) + np.linspace(0, 0.02, N)[:, None] * [1.0, 0.5, 0.0]
-        velocity = free_solver().step(q, asked, 0.001).velocity / [1.0, 1.0, 57.5]
-        assert last is None or np.abs(velocity - last).max() < 0.05 * np.abs(velocity).max()
-        last = velocity
 
 
 def test_a_wall_is_not_passed_and_is_slid_along() -> None:
@@ -334,10 +307,3 @@ def test_what_is_reached_within_changes_never_jumps(seed: int) -> None:
     assert (np.diff(ends) < 0.0).all()
     assert found.solved
     assert found.verify().ok
-
-
-def test_changes_need_a_place_to_begin() -> None:
-    with pytest.raises(sn.InputError, match="initial: missing; expected where the changes begin"):
-        free_solver().solve(sn.Target((0, 0, 240)), within=sn.Rates(bend=1) * 0.1)
-    with pytest.raises(sn.InputError, match="within: expected Changes"):
-        free_solver().solve(sn.Target((0, 0, 240)), [[0, 0, 55]] * N, within=0.1)  # type: ignore[arg-type]

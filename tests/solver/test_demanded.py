@@ -43,21 +43,6 @@ def test_a_solution_keeps_it_and_says_the_distance_of_the_body(scale: float, cle
     assert seen or clearance < 1.0
 
 
-def test_one_a_segment_lets_others_come_nearer() -> None:
-    """The base stands 1 off a wall: what is demanded of the tip alone can be kept, of all it cannot."""
-    wall = [sn.HalfSpace((-5.0, 0.0, 0.0), (1.0, 0.0, 0.0), name="wall")]
-    target = sn.Target((60.0, 0.0, 90.0))
-    assert str(sn.solve(ROBOT, target, wall, clearance=3.0).status) == "base_blocked"
-    found = sn.solve(ROBOT, target, wall, clearance=(0.5, 3.0, 3.0))
-    assert found.solved
-    assert found.verify().ok
-    assert found.demanded_clearance == (0.5, 3.0, 3.0)
-    robot = ROBOT.changed(clearance=(0.5, 3.0, 3.0))
-    straight = np.array([[0.0, 0.0, 50.0]] * 3)
-    assert not sn.check(robot, straight, wall).ok
-    assert sn.check(ROBOT, straight, wall).ok
-
-
 def test_the_body_itself_is_as_thick_as_before() -> None:
     """A body that could not coil with that much more radius keeps clear of itself by its own."""
     coil = sn.Robot.uniform(4, 40.0, 2.4, radius=8.0)
@@ -104,31 +89,6 @@ def test_what_cannot_be_kept_is_proved_impossible_and_told() -> None:
     base = sn.solve(ROBOT, TARGET, SLIT, clearance=4.0)
     assert str(base.status) == "base_blocked"
     assert "leaves its mount it is 1 too near to left" in str(base.reason)
-
-
-def test_no_route_is_said_of_the_clearance_too() -> None:
-    """A door of 12 by 12 in a wall all around: a body of radius 4 gets through, with 8 of clearance it does not."""
-    robot = sn.Robot.uniform(4, (15.0, 40.0), 2.0, radius=4.0)
-    box = sn.Box((0.0, 0.0, 50.0), (50.0, 50.0, 140.0), inside=True)
-    bars = [sn.Box((side * 21.0, 0.0, 60.0), (30.0, 60.0, 10.0), name=f"x{side:+d}") for side in (-1, 1)]
-    bars += [sn.Box((0.0, side * 21.0, 60.0), (60.0, 30.0, 10.0), name=f"y{side:+d}") for side in (-1, 1)]
-    target = sn.Target((5.0, 5.0, 95.0))
-    assert sn.solve(robot, target, [box, *bars]).solved
-    found = sn.solve(robot, target, [box, *bars], clearance=8.0)
-    assert str(found.status) == "no_route"
-    assert "wide enough for a body of radius 4 and with 8 of clearance" in str(found.reason)
-
-
-def test_mount_and_tool_count_as_ever() -> None:
-    """Within the mount nothing is demanded; of the tool, which has no body, neither."""
-    collar = [sn.Sphere((9.0, 0.0, 4.0), 3.0), sn.Sphere((60.0, 0.0, 125.0), 3.0)]
-    tool = np.eye(4)
-    tool[2, 3] = 30.0
-    robot = ROBOT.changed(mount=25.0, tool=tool)
-    found = sn.solve(robot, sn.Target((60.0, 0.0, 118.0), direction=(0.0, 0.0, 1.0)), collar, clearance=6.0)
-    assert found.solved
-    assert found.verify().ok
-    assert str(sn.solve(ROBOT, TARGET, collar[:1], clearance=6.0).status) == "base_blocked"
 
 
 def test_every_way_of_solving_keeps_it() -> None:
@@ -184,25 +144,6 @@ def test_a_motion_that_comes_nearer_is_not_proved() -> None:
     assert again.proved.all()
     assert again.clearance == pytest.approx(least, rel=0.11)
     assert not prove_steps(ROBOT.changed(clearance=1.3 * least), ball, np.stack([straight, near])).proved.any()
-
-
-def test_a_wish_counts_from_the_body_too() -> None:
-    """A wish below what is demanded changes nothing, one above it is met where there is room."""
-    plain = sn.solve(ROBOT, TARGET, [BALL], clearance=8.0)
-    less = sn.solve(ROBOT, TARGET, [BALL], clearance=8.0, prefer=sn.Preferences(clearance=7.0))
-    np.testing.assert_array_equal(plain.q, less.q)
-    more = sn.solve(ROBOT, TARGET, [BALL], clearance=8.0, prefer=sn.Preferences(clearance=12.0))
-    assert more.clearance is not None
-    assert more.clearance > 11.0
-
-
-def test_what_was_found_is_read_back_with_what_was_demanded() -> None:
-    job = sn.Job(ROBOT, TARGET, [BALL])
-    found = job.solve(clearance=5.0, self_clearance=2.0)
-    read = sn.Solution.from_dict(found.to_dict(), job.problem())
-    assert (read.demanded_clearance, read.demanded_self_clearance) == (5.0, 2.0)
-    assert read.clearance == pytest.approx(found.clearance)
-    assert read.verify().ok
 
 
 def test_what_cannot_be_meant_is_refused() -> None:

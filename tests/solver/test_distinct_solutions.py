@@ -1,6 +1,5 @@
 """`solve_all` by route finds the classes that are known of a place, each once; by shape it says which is which."""
 
-import math
 import time
 from functools import cache
 from typing import Literal
@@ -13,7 +12,7 @@ from benchmarks.places import Place, make
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver.solver import Solver
-from tests.solver.route_classes.places import BARS, DOORS, ROBOT, TARGET, ball, bars, crossing, pillar, wall
+from tests.solver.route_classes.places import BARS, DOORS, ROBOT, TARGET, bars, crossing, pillar, wall
 
 
 def solver(scene: list[Obstacle]) -> Solver:
@@ -84,22 +83,6 @@ def test_what_is_all_around_is_gone_through() -> None:
         assert str(solution.route_class).startswith(f"class {solution.route_class.number}: through plate at [")
 
 
-def test_a_ball_in_the_open_has_few_sides() -> None:
-    found = solver(ball()).solve_all(TARGET)
-    assert 2 <= len(found) <= 4
-    middles = [ROBOT.backbone(s.q, 20) for s in found]
-    beside = np.array([line[np.abs(line[:, 2] - 140.0).argmin(), :2] for line in middles])
-    angles = [
-        math.acos(a @ b / np.linalg.norm(a) / np.linalg.norm(b)) for i, a in enumerate(beside) for b in beside[:i]
-    ]
-    assert min(angles) > 0.8
-
-
-def test_a_body_in_the_open_has_one_class() -> None:
-    (only,) = solver([sn.Sphere((300.0, 0.0, 0.0), 20.0, name="far")]).solve_all(TARGET)
-    assert str(only.route_class) == "class 1: the only one found"
-
-
 def test_by_shape_all_distinct_ones_are_found_and_named() -> None:
     found = Solver(ROBOT, pillar(), time=60.0, max_starts=60).solve_all(TARGET, count=12, by="shape")
     assert len(found) > 4
@@ -141,10 +124,6 @@ def test_what_one_solve_finds_is_among_them(family: str, number: int, by: Litera
     assert found[0].verify().ok
 
 
-def test_no_time_is_no_answer() -> None:
-    assert solver(pillar()).solve_all(TARGET, time=0.0) == []
-
-
 def test_the_time_is_kept() -> None:
     place = solver(bars())
     place.solve_all(TARGET, time=0.01)
@@ -156,11 +135,3 @@ def test_the_time_is_kept() -> None:
 def test_what_is_asked_for_must_be_one_of_two() -> None:
     with pytest.raises(sn.InputError, match="by: expected route or shape, got 'side'"):
         solver(pillar()).solve_all(TARGET, by="side")  # type: ignore[arg-type]
-
-
-def test_there_and_back_as_plain_values() -> None:
-    found = past_pillar()[0]
-    again = sn.Solution.from_dict(found.to_dict(), found.problem)
-    assert again.route_class == found.route_class is not None
-    older = {key: value for key, value in found.to_dict().items() if key != "route_class"}
-    assert sn.Solution.from_dict(older, found.problem).route_class is None

@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 import zlib
 from collections.abc import Callable
 from itertools import combinations
@@ -17,7 +16,6 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES, VERDICT
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
-from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, acceleration_bound, measure_rates
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 from sinuous.solver.certificates.steps import Prover
 
@@ -225,22 +223,6 @@ def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None
     assert solved >= 3
 
 
-@pytest.mark.parametrize("name", ["panda", "bodies"])
-def test_no_place_of_a_link_bows_more_than_its_bound(name: str) -> None:
-    robot, rng, step = with_bodies(name), rng_of(f"bows {name}"), 1e-3
-    bodies = [k for k, row in enumerate(robot.rows) if not row.rigid or getattr(row, "has_body", False)]
-    for _ in range(6):
-        p, q, t = drawn(robot, rng), drawn(robot, rng), float(rng.uniform(step, 1.0 - step))
-        rates = np.empty((len(robot), MOTION_RATES_WIDTH))
-        travel = measure_rates(robot.limits, p, q, rates)
-        before, here, after = (places_of(robot, (1.0 - t - d) * p + (t + d) * q) for d in (-step, 0.0, step))
-        for k, (_, a, _), (_, b, _), (_, c, _) in zip(bodies, before, here, after, strict=True):
-            bound = acceleration_bound(rates, k, max(p[k, 2], q[k, 2]), 1.0)
-            bows = np.linalg.norm(a - 2.0 * b + c, axis=-1).max() / step**2
-            assert bows <= bound * (1.0 + 1e-2) + 1e-6
-            assert np.linalg.norm(c - a, axis=-1).max() <= 2.0 * step * travel * (1.0 + 1e-6)
-
-
 def with_bodies(name: str) -> sn.Robot:
     """The Panda with bodies, or four links whose bodies lie off their axes, a slide among them, and a segment."""
     if name == "panda":
@@ -368,11 +350,6 @@ def test_bodies_are_checked(body: list[object], key: str) -> None:
         Revolute(body=body)  # type: ignore[arg-type]
 
 
-def test_a_name_in_touches_is_known() -> None:
-    with pytest.raises(sn.InputError, match=r"touches\[0\].*no joint"):
-        sn.Robot([sn.Segment(1.0)], joints=[Revolute(touches=["elbo"], name="elbow")])
-
-
 def test_answers_have_joints_beside_segments(tmp_path: Path) -> None:
     robot = bronchoscope()
     goal = links_of(robot, full(robot, (0.4, 20.0)))[1]
@@ -401,12 +378,6 @@ def test_answers_have_joints_beside_segments(tmp_path: Path) -> None:
     many = sn.Solver(robot).solve_many([goal[:3, 3], goal[:3, 3]], initial=pair)
     assert many.joints.shape == (2, 2)
     assert many.q.shape == (2, 3, 3)
-
-
-def test_print_shows_joints_by_name() -> None:
-    robot = bronchoscope()
-    shown = str(sn.solve(robot, sn.Target(links_of(robot, full(robot, (0.4, 20.0)))[1][:3, 3])))
-    assert re.search(r"\n  joints +roll=\S+  feed=\S+\n  q ", shown)
 
 
 def test_what_holds_back_has_the_name_of_its_joint_or_link() -> None:
@@ -444,13 +415,3 @@ def test_targets_of_segments_count_segments() -> None:
     assert many.solved.all()
     step = sn.Solver(robot).step((joints, q), target=targets, dt=0.1)
     np.testing.assert_allclose(step.configuration, robot.with_joints(q, joints), atol=1e-9)
-
-
-def test_default_shapes_are_within_limits_of_joints() -> None:
-    for robot in (panda(bodies=True), bronchoscope(), six_axes()):
-        assert robot.excess(robot.straight) == 0.0
-    shaft = sn.Sphere((0.0, 0.0, -8.0), 4.0)
-    motion = sn.Motion(
-        bronchoscope(), [([0.1, 0.0], [[0.1, 0.0, 20.0]] * 3), ([0.2, 5.0], [[0.1, 0.0, 20.0]] * 3)], [shaft]
-    )
-    assert {each.change for each in motion.explain(0.5).remedies} >= {"obstacle sphere[0]"}

@@ -42,15 +42,6 @@ def test_several_shapes_meet_one_target() -> None:
     assert min(apart) > 1e-3
 
 
-def test_routes_are_those_of_the_loaded_body() -> None:
-    robot = arm()
-    target = sn.Target(robot.shape(Q).tip[:3, 3])
-    middle = robot.shape(Q).backbone(10)[70]
-    found = sn.solve_all(robot, target, [sn.Sphere(middle, 0.02)], count=2, time=SECONDS, max_starts=30)
-    assert found
-    assert all(each.verify().ok for each in found)
-
-
 def test_a_batch_and_a_map_are_of_the_loaded_body() -> None:
     robot = arm()
     tip = robot.shape(Q).tip

@@ -1,6 +1,5 @@
 """Drives of robots under load: the loaded body meets the targets, judged by other code."""
 
-import copy
 import json
 from typing import Any
 
@@ -10,7 +9,6 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
-from tests.helpers import refused
 
 ROD = sn.Stiffness(bend=0.01, twist=0.008)
 GRAVITY = (0.0, 0.0, -9.81)
@@ -121,20 +119,6 @@ def test_what_cannot_be_reached_is_not_solved() -> None:
     assert far.binding == ()
 
 
-def test_what_knows_no_loads_says_so() -> None:
-    solver = sn.Solver(arm())
-    target = sn.Target((0.1, 0.0, 0.2))
-    refused("gravity", lambda: solver._first_call(target), "without load")
-
-
-def test_without_loads_nothing_changes() -> None:
-    plain = arm(gravity=None, payload=None)
-    target = sn.Target((0.1, 0.05, 0.2))
-    found = [sn.solve(each, target) for each in (plain, sn.Robot(copy.copy(plain.segments)))]
-    assert found[0].q.tolist() == found[1].q.tolist()
-    assert found[0].shape is None
-
-
 def pulled(most: float) -> sn.Robot:
     """A robot whose tendons may be pulled by so much."""
     tendons = sn.Tendons(3, 0.004, stiffness=400.0, tension=(0.0, most))
@@ -187,13 +171,6 @@ def test_where_no_body_is_at_rest_that_is_said() -> None:
     said = f"{missed.position_error:.4g}"
     assert said in str(missed.explain(time=0.05)), "the loaded body is what misses the target"
     json.dumps(found.to_dict(), allow_nan=False)
-
-
-def test_a_length_of_zero_beside_a_largest_curvature_warns_of_nothing() -> None:
-    segments = [sn.Segment((0.0, 0.1), max_bend=2.0), sn.Segment((0.05, 0.1), max_bend=2.0, max_curvature=15.0)]
-    robot = sn.Robot(segments, stiffness=ROD, mass=0.05, arcs=2, gravity=GRAVITY)
-    q = np.array([[0.0, 0.0, 0.0], [0.3, 0.1, 0.08]])
-    assert sn.solve(robot, sn.Target(robot.shape(q).tip[:3, 3]), initial=q).solved
 
 
 JOINTS = [

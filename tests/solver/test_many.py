@@ -7,9 +7,7 @@ import signal
 import sys
 import threading
 import time
-import tracemalloc
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,6 @@ import sinuous as sn
 from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
 from sinuous.base.checks import Floats
-from sinuous.base.errors import NotSolvedError
 from sinuous.solver.many import LARGEST_CALL
 from tests.helpers import refused, refused_each
 from tests.methods.laws import shapes
@@ -232,14 +229,6 @@ def test_it_is_frozen_short_and_the_same_after_a_journey(some: Solutions) -> Non
     assert again[7].explain(0.0).status is some[7].status
 
 
-def test_raise_for_status_tells_of_the_first(some: Solutions) -> None:
-    assert some[some.solved].raise_for_status().solved.all()
-    with pytest.raises(NotSolvedError, match="the first is number") as caught:
-        some.raise_for_status()
-    assert "\n" not in str(caught.value)
-    assert caught.value.solution.status is some.status[~some.solved][0]
-
-
 def test_initial_configurations_for_all_and_for_each() -> None:
     solver = sn.Solver(ARM, time=LONG)
     poses, near = tips(ARM, 6), shapes(ARM, 6, 1.0, 4)
@@ -269,21 +258,6 @@ def test_more_than_one_call_can_take() -> None:
     many = solver.solve_many(positions=places, workers=2)
     assert len(many) > 2 * LARGEST_CALL
     np.testing.assert_array_equal(many.q, np.tile(many.q[:97], (3 * LARGEST_CALL // 97, 1, 1)))
-
-
-def test_memory_is_that_of_the_arrays() -> None:
-    """A configuration and 11 numbers a target, and what was asked; nothing for each target beside arrays."""
-    solver, places = sn.Solver(FIXED), np.tile(tips(FIXED, 100)[:, :3, 3], (100, 1))
-    solver.solve_many(positions=places, workers=2)
-    tracemalloc.start()
-    try:
-        many = solver.solve_many(positions=places, workers=2)
-        held, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    numbers = 11 + 9 + 3
-    assert held / len(many) < 8 * numbers + 8
-    assert peak / len(many) < 8 * numbers + 64
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -343,18 +317,3 @@ def test_what_is_asked_wrongly_is_refused_by_name() -> None:
     refused_each(
         "initial", (3, near[0, :2], near[2], near[..., :2]), lambda value: ask(positions=places, initial=value)
     )
-
-
-def test_a_method_that_refuses_a_target_says_so_whatever_the_threads() -> None:
-    solver = sn.Solver(ARM, method="dls")
-    targets = [sn.Target((0, 0, 3.9))] * 200 + [sn.Target((0, 0, 3.9), segment=2)]
-    for workers in (1, 3):
-        refused("target.segment", partial(solver.solve_many, targets, workers=workers), "dls")
-
-
-def test_progress_is_shown_to_who_wants_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    counted: list[int] = []
-    monkeypatch.setattr("sinuous.base.progress.ProgressBar.advance", lambda _, count=1: counted.append(count))
-    solver, places = sn.Solver(FIXED, max_starts=20), tips(FIXED, 50)
-    solver.solve_many(positions=places[:, :3, 3], rotations=places[:, :3, :3], progress=True, workers=2)
-    assert sum(counted) == 50

@@ -120,23 +120,6 @@ def test_a_changed_scene_is_asked_anew() -> None:
     assert np.abs(after.q - before.q).max() > SPACING
 
 
-def test_an_initial_configuration_comes_first() -> None:
-    memory, target = Memory(ROBOT), sn.Target((1.2, 0.3, 2.5))
-    memory.add(shapes(10))
-    initial = sn.solve(ROBOT, target).q
-    solution = sn.Solver(ROBOT, memory=memory).solve(target, initial)
-    assert (solution.start, solution.starts, len(memory)) == ("given", 1, 11)
-    np.testing.assert_array_equal(memory.q[-1], solution.q)
-
-
-def test_it_is_switched_off_by_name() -> None:
-    memory, target = Memory(ROBOT), sn.Target((1.2, 0.3, 2.5))
-    memory.add(sn.solve(ROBOT, target).q)
-    off = sn.Solver(ROBOT, memory=memory, without="remembered").solve(target)
-    assert off.start != "remembered"
-    assert len(memory) == 1
-
-
 def test_the_older_half_is_forgotten_when_it_is_full() -> None:
     memory = Memory(ROBOT, megabytes=0.05)
     kept = shapes(300)
@@ -170,17 +153,3 @@ def test_a_damaged_file_is_refused_in_a_line(tmp_path: Path, size: int) -> None:
         sn.InputError, match=r"^memory: damaged.*; expected a file that Memory.save wrote, got .*arm\.npz'"
     ):
         Memory.load(file)
-
-
-def test_what_is_no_memory_of_this_robot_is_refused(tmp_path: Path) -> None:
-    other = Memory(sn.Robot.uniform(3, (0.5, 1.5)))
-    with pytest.raises(sn.InputError, match=r"memory: of another robot; "):
-        sn.Solver(ROBOT, memory=other)
-    with pytest.raises(sn.InputError, match="memory"):
-        sn.Solver(ROBOT, memory="arm.npz")  # type: ignore[arg-type]
-    with pytest.raises(sn.InputError, match=r"memory: .*cannot be read"):
-        Memory.load(tmp_path / "none.npz")
-    with pytest.raises(sn.InputError, match="megabytes"):
-        Memory(ROBOT, megabytes=0)
-    with pytest.raises(sn.InputError, match=r"q: shape \(3, 3\); expected"):
-        Memory(ROBOT).add(np.zeros((3, 3)))

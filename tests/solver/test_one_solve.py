@@ -48,9 +48,3 @@ def test_a_solver_for_many_has_it_ahead(loads: list[float]) -> None:
     assert len(loads) == 1
     assert solver.solve(NEAR).solved
     assert len(loads) == 1
-
-
-@pytest.mark.parametrize("options", [{"routes": False}, {"method": "dls"}])
-def test_without_routes_there_is_nothing_to_load(loads: list[float], options: dict[str, Any]) -> None:
-    Solver(ROBOT, SCENE, time=0.02, **options).solve(TORN[0])
-    assert loads == []

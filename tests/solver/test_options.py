@@ -5,8 +5,7 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from sinuous.methods import method as methods
-from sinuous.solver.options import TIME, SolveOptions
+from sinuous.solver.options import SolveOptions
 from tests.cases import with_each
 from tests.helpers import refused
 
@@ -21,13 +20,6 @@ WRONG: dict[str, tuple[Any, ...]] = {
     "without": ("hops", ("grown", "hops"), 7, None),
     "memory": ("arm.npz", 7),
 }
-
-
-def test_defaults() -> None:
-    options = SolveOptions()
-    assert (options.time, options.max_starts, options.seed, options.routes) == (TIME, None, 0, True)
-    assert (options.method, options.tolerance, options.prefer) == ("newton", sn.Tolerance(), sn.Preferences())
-    assert not options.prefer
 
 
 def test_every_field_is_kept() -> None:
@@ -53,16 +45,6 @@ def test_every_field_is_kept() -> None:
 @with_each(("key", "value"), [(key, value) for key, values in WRONG.items() for value in values])
 def test_wrong_values_are_refused_by_name(key: str, value: Any) -> None:
     refused(key, lambda: SolveOptions(**{key: value}))
-
-
-@pytest.mark.parametrize("name", ["magic", "", "NEWTON"])
-def test_an_unknown_method_is_refused(name: Any) -> None:
-    error = refused("method", lambda: SolveOptions(method=name))
-    assert all(known in str(error) for known in methods.METHODS)
-
-
-def test_an_unknown_option_is_answered_with_all_that_there_are() -> None:
-    refused("colour", lambda: SolveOptions.of({"colour": 1}), *SolveOptions.__dataclass_fields__)
 
 
 @pytest.mark.parametrize(

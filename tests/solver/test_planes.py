@@ -76,13 +76,6 @@ def test_derivatives_move_within_planes() -> None:
     np.testing.assert_array_equal(slope[2, :2], 0.0)
 
 
-@pytest.mark.parametrize("method", ["dls", "monte_carlo"])
-def test_methods_that_know_planes_keep_them(method: Any) -> None:
-    q = LOCKED.drive.coordinates.project(np.array([[0.5, 0.5, 0.8], [0.2, 0.4, 1.0], [0.0, 0.0, 1.0]]))
-    found = sn.solve(LOCKED, sn.Target(LOCKED.tip(q)[:3, 3]), method=method, max_starts=2)
-    assert LOCKED.violations(found.q) == []
-
-
 @pytest.mark.parametrize("method", ["fabrikc", "fabrikx", "fabrik_avoid", "slinki", "opti_path"])
 def test_methods_for_free_bends_refuse_planes(method: Any) -> None:
     with pytest.raises(sn.InputError, match="bends in one plane"):

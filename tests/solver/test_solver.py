@@ -129,23 +129,6 @@ def test_several_targets_at_once() -> None:
         np.testing.assert_allclose(robot.forward(solution.q)[2, :3, 3], poses[2, :3, 3], atol=2e-4)
 
 
-def test_a_solution_is_its_own_start() -> None:
-    robot = ROBOTS["extensible"]
-    solver = sn.Solver(robot)
-    solution = solver.solve(as_target(robot.tip(random_shapes(robot, 1, 5)[0]), "direction"))
-    again = solver.solve(solution.problem.targets, initial=solution)
-    assert (again.start, again.iterations) == ("given", 0)
-    np.testing.assert_array_equal(again.q, solution.q)
-
-
-def test_a_start_outside_the_limits_is_brought_within() -> None:
-    robot = ROBOTS["curvature"]
-    target = as_target(robot.tip(np.full((6, 3), 0.3)), "position")
-    solution = sn.solve(robot, target, initial=np.full((6, 3), 5.0))
-    assert solution.solved
-    assert robot.excess(solution.q) <= 1e-9
-
-
 def test_the_same_seed_gives_the_same_answer_in_any_thread() -> None:
     robot = sn.Robot.uniform(3, 1.0)
     solver = sn.Solver(robot, tolerance=EXACT, time=10.0)
@@ -196,14 +179,6 @@ def test_out_of_reach_is_proved_at_once() -> None:
         assert solution.starts == 1
         assert solution.worst is not None
     assert sn.solve(robot, sn.Target((0, 0, 350.0))).solved
-
-
-def test_verdicts_never_contradict_a_hidden_shape() -> None:
-    for robot in (sn.Robot.uniform(4, (45, 70), 0.7, tool=sn.pose((5, 0, 30), direction=(1, 0, 1))), ROBOTS["stage"]):
-        solver = sn.Solver(robot, max_starts=1)
-        for q in random_shapes(robot, 300, 8):
-            for kind in KINDS:
-                assert solver.solve(as_target(robot.tip(q), kind)).status is not sn.Status.OUT_OF_REACH
 
 
 def test_blocked_target_and_base() -> None:
@@ -275,15 +250,6 @@ def test_solve_all_finds_distinct_ranked_solutions() -> None:
         for other in shapes[:i]:
             assert np.linalg.norm(shape - other, axis=-1).max() > 0.02 * robot.mean_length
     assert min(float(np.abs(s.q - q).max()) for s in found) < 1e-4
-
-
-def test_solve_all_with_a_start_ranks_by_distance_to_it() -> None:
-    robot = ROBOTS["extensible"]
-    start = random_shapes(robot, 1, 11)[0]
-    found = sn.solve_all(robot, sn.Target((50, 50, 200)), initial=start, count=5)
-    away = [float((((s.q - start) / [1, 1, 57.5]) ** 2).sum()) for s in found]
-    assert len(found) == 5
-    assert away == sorted(away)
 
 
 @with_each(

@@ -11,8 +11,6 @@ from scipy.linalg import expm
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
-from sinuous.problem.problem import input_warnings
-from sinuous.scene.snapshot import Snapshot
 from tests.helpers import refused
 
 ROD = sn.Stiffness(bend=1.0, twist=0.7, stretch=40.0)
@@ -130,16 +128,6 @@ def test_a_robot_that_stands_elsewhere_in_a_world_that_is_turned_is_shaped_alike
     assert moved.tip == pytest.approx(turn @ here.tip, abs=1e-9)
 
 
-def test_a_mirrored_load_makes_a_mirrored_shape() -> None:
-    flip = np.array([-1.0, 1.0, 1.0])
-    robot = arm()
-    assert robot.gravity is not None
-    here = robot.shape(SHAPE, FORCE)
-    other = robot.changed(gravity=robot.gravity * flip)
-    there = other.shape(SHAPE * flip, sn.Force(FORCE.force * flip, position=FORCE.position * flip))
-    assert there.states == pytest.approx(here.states * [-1.0, 1.0, -1.0, 1.0], abs=1e-9)
-
-
 def test_more_arcs_come_nearer_to_a_cosserat_rod_with_their_square() -> None:
     robot = arm()
     assert robot.gravity is not None
@@ -153,16 +141,6 @@ def test_more_arcs_come_nearer_to_a_cosserat_rod_with_their_square() -> None:
     assert errors[-1] < 2e-4
     for coarse, fine in pairwise(errors[1:]):
         assert 3.4 < coarse / fine < 4.6
-
-
-@pytest.mark.parametrize("straight", [False, True])
-def test_without_loads_it_is_the_configuration(straight: bool) -> None:
-    tendons = sn.Tendons(3, 0.02, straight=straight)
-    robot = sn.Robot.uniform(2, 0.5, tendons=tendons, stiffness=ROD.bend, arcs=5)
-    q = np.array([[0.6, -0.3, 0.5], [0.2, 0.9, 0.5]])
-    found = robot.shape(q)
-    assert found.tip == pytest.approx(robot.tip(q), abs=5e-4)  # its tendons stretch a little
-    assert sn.Robot.uniform(2, 0.5, stiffness=ROD).shape(q).tip == pytest.approx(robot.tip(q), abs=1e-12)
 
 
 def test_tendons_of_given_lengths_have_the_tensions_that_hold_them() -> None:
@@ -220,10 +198,3 @@ def test_bad_input_is_refused() -> None:
     refused("actuators", lambda: arm().equilibrium(), "either")
     refused("mass", lambda: sn.Payload(-1.0))
     refused("arcs", lambda: sn.Segment(1.0, arcs=0))
-
-
-def test_units_that_do_not_fit_are_noted() -> None:
-    assert not input_warnings(arm(), Snapshot(()))
-    for wrong in (1e-3, 1e6):
-        (note,) = input_warnings(arm(stiffness=sn.Stiffness(wrong)), Snapshot(()))
-        assert "stiffness" in note

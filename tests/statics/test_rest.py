@@ -64,14 +64,3 @@ def test_the_derivative_by_the_drive_is_that_of_differences(name: str, size: flo
         step[i] = STEP
         ahead, back = (Rest(robot, q + side * step.reshape(q.shape), rest).found[0] for side in (1.0, -1.0))
         assert slope == pytest.approx((ahead - back) / (2.0 * STEP), abs=1e-6 * (1.0 + np.abs(slope).max()))
-
-
-@with_each("name", ROBOTS)
-def test_tables_say_the_same_derivative(name: str) -> None:
-    robot = ROBOTS[name]
-    q = np.resize([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]], (len(robot.segments), 3))
-    q = robot.with_joints(q, [0.4, 0.1][: len(robot.joint_names)])
-    rest = Rest(robot, q)
-    ahead = [Rest(robot, q + step.reshape(q.shape), rest).tables for step in STEP * np.eye(q.size)]
-    found = rest.answers(ahead, np.full(q.size, STEP))
-    np.testing.assert_allclose(found, rest.slopes, atol=1e-5 * np.abs(rest.slopes).max())

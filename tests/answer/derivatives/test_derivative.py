@@ -28,7 +28,6 @@ from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats
 from sinuous.base.errors import NotSolvedError
 from sinuous.kernels.packing import scales_of
-from sinuous.kernels.tables import BEND_SCALE
 from tests.helpers import refused
 
 TOLERANCE = 1e-6
@@ -258,22 +257,6 @@ def test_tip_and_actuators_follow() -> None:
         np.testing.assert_allclose(change, wanted, atol=1e-4 * max(size, np.abs(wanted).max(initial=0.0)))
 
 
-def test_the_step_of_a_control_loop_goes_to_the_derivative() -> None:
-    for seed in range(10):
-        rng = np.random.default_rng([seed, 7])
-        found = draw("free", rng)
-        assert found is not None
-        targets = found.problem.targets
-        if len(targets) > 1 or targets[0].position is None or targets[0].direction is not None:
-            continue
-        solver = sn.Solver(found.problem.robot, tolerance=found.problem.tolerance)
-        velocity = found.problem.robot.mean_length * rng.normal(size=3)
-        if targets[0].rotation is not None:
-            continue
-        tick = solver.step(found, velocity, 1e-6)
-        np.testing.assert_allclose(tick.velocity, found.jvp(velocity), rtol=1e-3, atol=1e-3)
-
-
 def test_vjp_is_the_transpose_of_jvp() -> None:
     rng = np.random.default_rng(0)
     found = draw("free", np.random.default_rng([3, 1]))
@@ -281,20 +264,6 @@ def test_vjp_is_the_transpose_of_jvp() -> None:
     way, cotangent = random_tangent(found, rng), rng.normal(size=found.q.shape)
     back = found.vjp(cotangent, ALL)
     assert (cotangent * found.jvp(way)).sum() == pytest.approx(sum(float(back[name] @ way[name]) for name in ALL))
-
-
-def test_targets_that_are_not_quite_met_are_on_newtons_way() -> None:
-    """An answer within tolerance is followed to where its targets are met: so a solve from it goes."""
-    loose = sn.Solver(ARM, tolerance=sn.Tolerance(1e-3, 1e-3)).solve(sn.Target((1.0, 0.4, 3.0)))
-    near = exact_solver().solve(sn.Target((1.0, 0.4, 3.0)), loose.q + 1e-4)
-    rough = sn.Solver(ARM, tolerance=sn.Tolerance(1e-1, 1e-3)).solve(sn.Target((1.0, 0.4, 3.0)), near.q + 3e-4)
-    assert np.array_equal(rough.q, near.q + 3e-4)
-    step = 1e-5 * np.eye(3)
-    ends = [
-        [exact_solver().solve(sn.Target(np.array([1.0, 0.4, 3.0]) + s * e), rough.q).q for e in step] for s in (1, -1)
-    ]
-    wanted = (np.stack(ends[0], axis=-1) - np.stack(ends[1], axis=-1)) / 2e-5
-    np.testing.assert_allclose(rough.derivative().q["target"], wanted, atol=1e-6)
 
 
 def test_a_singular_shape_has_no_derivative() -> None:
@@ -367,13 +336,3 @@ def test_bad_input_is_refused() -> None:
     failed = exact_solver().solve(sn.Target((9.0, 0.0, 0.0)))
     with pytest.raises(NotSolvedError):
         failed.derivative()
-
-
-def test_what_cannot_move_does_not() -> None:
-    robot = sn.Robot([sn.Segment(1.0, 0.0), sn.Segment((0.5, 1.5), 2.0), sn.Segment(1.0, 2.0)])
-    found = sn.Solver(robot).solve(sn.Target((0.5, 0.1, 2.6)))
-    derivative = found.derivative(("target", "lengths"))
-    assert not derivative.q["target"][0].any()
-    assert not derivative.q["target"][2, 2].any()
-    assert derivative.q["lengths"][0, 2, 0] == 1.0
-    assert robot.limits[0, BEND_SCALE] == 0.0

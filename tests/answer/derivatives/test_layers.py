@@ -108,25 +108,6 @@ def test_torch_checks_itself_in_both_modes_from_a_cold_start(case: str) -> None:
     assert torch.autograd.gradcheck(of, given, eps=1e-5, atol=1e-5, check_forward_ad=True)
 
 
-def test_torch_takes_rotations() -> None:
-    torch = pytest.importorskip("torch")
-    import sinuous.torch as layer
-
-    solver = sn.Solver(sn.Robot.uniform(6, (0.8, 1.2), max_bend=2.0), tolerance=sn.Tolerance(1e-12, 1e-12))
-    found = solver.solve(sn.Target((1.0, 0.4, 4.0), direction=(0.3, 0.1, 1.0)))
-    tip = solver.robot.tip(found.q)
-    position, rotation = (torch.tensor(tip[:3, c].copy(), requires_grad=True) for c in (3, slice(0, 3)))
-    whole = layer.solve(solver, position, rotations=rotation, initial=found.q)
-    weights = torch.tensor(np.random.default_rng(0).normal(size=(6, 3)))
-    (whole * weights).sum().backward()
-    asked = solver.solve(sn.Target(tip[:3, 3], rotation=tip[:3, :3]), found.q)
-    cotangent = asked.vjp(weights.numpy())["target"]
-    np.testing.assert_allclose(position.grad, cotangent[:3], atol=1e-9)
-    turn = np.array([0.3, -0.2, 0.5])
-    moved = np.stack([np.cross(turn, column) for column in tip[:3, :3].T], axis=1)
-    np.testing.assert_allclose((rotation.grad.numpy() * moved).sum(), cotangent[3:] @ turn, atol=1e-9)
-
-
 def test_torch_maps_over_batches() -> None:
     torch = pytest.importorskip("torch")
     import sinuous.torch as layer

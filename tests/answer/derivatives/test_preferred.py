@@ -87,19 +87,6 @@ def test_what_pushes_is_active_and_not_weak() -> None:
     np.testing.assert_allclose(derivative.tip["target"][3:], np.eye(3), atol=1e-9)
 
 
-def test_answers_of_a_batch_are_derived_alike() -> None:
-    robot = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0)
-    solver = sn.Solver(robot, prefer=sn.Preferences(start=1.0, bends=0.1))
-    start = np.tile([0.3, 0.1, 1.0], (2, 4, 1))
-    many = solver.solve_many(positions=[(1.0, 0.4, 3.0), (0.5, -0.3, 3.2)], initial=start)
-    whole = many.derivative(("target", "base"))
-    assert whole.regular.all()
-    for i, one in enumerate(many):
-        own = one.derivative(("target", "base"))
-        np.testing.assert_allclose(whole.q["base"][i], own.q["base"], atol=1e-9)
-        np.testing.assert_allclose(whole.tip["target"][i], own.tip["target"], atol=1e-9)
-
-
 def test_where_the_start_is_not_known_or_clearance_is_missing_it_is_not_regular() -> None:
     robot, target = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.02), sn.Target((1.0, 0.4, 3.2))
     assert not sn.solve(robot, target, prefer=sn.Preferences(start=1.0)).derivative().regular

@@ -79,16 +79,6 @@ def test_a_speck_between_coarse_samples_is_seen() -> None:
     assert overlaps(thin, speck, STRAIGHT).tolist() == [True]
 
 
-def test_occupied_cubes_have_corners() -> None:
-    """The nearest cube is not always the one with the nearest middle."""
-    cells = np.zeros((3, 3, 2), bool)
-    cells[0, 0, 0] = cells[2, 1, 1] = True
-    grid, rng = Grid(cells, (0, 0, 0), 1.0), np.random.default_rng(0)
-    points: Floats = rng.uniform(-2, 4, (300, 3))
-    boxes = np.min([distance_of(Box(place, (1, 1, 1)))(points) for place in ((0, 0, 0), (2, 1, 1))], axis=0)
-    np.testing.assert_allclose(distance_of(grid)(points), boxes, atol=1e-12)
-
-
 @pytest.mark.parametrize("inside", [False, True])
 @pytest.mark.parametrize("spread", [0.01, 0.3, 3.0])
 def test_sides_of_a_mesh_are_those_of_every_point_alone(inside: bool, spread: float) -> None:

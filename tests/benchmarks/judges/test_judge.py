@@ -21,7 +21,6 @@ STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
 """One configuration of `ARM`, from the origin to (0, 0, 3)."""
 
 ARM = sn.Robot.uniform(3, (0.8, 1.2), 2.0, max_curvature=2.2, radius=0.1)
-TIP = sn.Target((0, 0, 3), direction=(0, 0, 1))
 TOLERANCE = Tolerance(1e-6, 1e-6)
 
 
@@ -46,10 +45,6 @@ def test_reference_agrees_with_the_library() -> None:
     points, along = body_points(robot, q, 8)
     np.testing.assert_allclose(points[:, :, 1:].reshape(20, -1, 3), robot.backbone(q, 8)[:, 1:], atol=1e-13)
     np.testing.assert_allclose(along[:, -1, -1], q[..., 2].sum(axis=1))
-
-
-def test_a_right_answer_is_right() -> None:
-    assert right(ARM, [TIP], STRAIGHT, TOLERANCE).all()
 
 
 @with_each(
@@ -100,9 +95,6 @@ def test_limits_of_actuators_are_what_the_robot_says(seed: int) -> None:
     assert 20 < within_limits(robot, q).sum() < 180
 
 
-Z = np.array([0.0, 0.0, 1.0])
-
-
 def beside(gap: float) -> list[Obstacle]:
     """Obstacles of all kinds, each `gap` away from the body of `ARM` when it is straight."""
     x = 0.1 + gap
@@ -142,9 +134,3 @@ def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
     slack = 0.02 * robot.mean_length
     assert not told[clearance > 0.0].any()
     assert told[clearance < -slack].all()
-
-
-def test_what_sits_in_the_mount_may_touch() -> None:
-    robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1, mount=0.5)
-    assert overlaps(robot, Scene([Sphere((0, 0, 0), 0.3)]), STRAIGHT).tolist() == [False]
-    assert overlaps(robot, Scene([Sphere((0, 0, 0.2), 0.3)]), STRAIGHT).tolist() == [True]

@@ -48,13 +48,3 @@ def test_a_circle_that_closes_touches_itself_when_its_ends_come_near(share: floa
     gap = 2.0 / turn * math.sin(0.5 * turn) - 2.0 * radius
     assert look(robot, q).least[0] == pytest.approx(gap, abs=FINEST * radius)
     assert surely_clear(robot, q)[0] == (gap > 0.0)
-
-
-def test_it_does_not_depend_on_where_the_body_is_cut_or_from_which_end_it_is_seen() -> None:
-    whole = sn.Robot.uniform(2, 2.0, 5.0, radius=0.2)
-    halves = sn.Robot.uniform(4, 1.0, 5.0, radius=0.2)
-    q = random_configurations(whole, 20, np.random.default_rng(7))
-    cut = np.repeat(q, 2, axis=1) * 0.5
-    turned = q[:, ::-1] * [-1.0, 1.0, 1.0]
-    for other, robot in ((cut, halves), (turned, whole)):
-        assert ((look(robot, other, 0.0).least < 0.0) == (look(whole, q, 0.0).least < 0.0)).all()

@@ -128,17 +128,6 @@ def test_what_is_too_close_to_tell_is_not_called_clear() -> None:
         assert clearance <= gap + 1e-15
 
 
-def test_a_needle_between_samples_is_found() -> None:
-    """An obstacle far smaller than any fixed spacing, at the middle of nowhere."""
-    q = configurations(11, N, 1)[0]
-    q[:, 2] = [1.0, 0.9, 1.1, 1.2]
-    place = expm_chain(np.concatenate([q[:2], q[2:3] * 0.61803]))[-1][:3, 3]
-    verdict, _, where, fraction, _ = prove(q, Scene([Sphere(place, 1e-6), Sphere((50, 0, 0), 1.0)]))
-    assert verdict == TOUCHING
-    spot = expm_chain(np.concatenate([q[:where], q[where : where + 1] * fraction]))[-1][:3, 3]
-    assert np.linalg.norm(spot - place) < 0.2 + 1e-6
-
-
 def test_obstacles_do_not_concern_what_sits_in_the_mount() -> None:
     scene = Scene([Box((0, 0, 0), (1, 1, 2.5))])  # up to z = 1.25; the second segment has radius 0.1
     assert prove(straight(), scene, mount=0.0)[0] == TOUCHING
@@ -148,13 +137,6 @@ def test_obstacles_do_not_concern_what_sits_in_the_mount() -> None:
     assert verdict == CLEAR
     assert 0.008 <= clearance <= 0.01 + 1e-12
     assert prove(straight(), scene, mount=4.1)[:2] == (CLEAR, math.inf)
-
-
-def test_a_robot_of_no_length_is_a_ball() -> None:
-    verdict, clearance, *_ = prove(straight(0.0), Scene([Sphere((0, 0, 1), 0.5)]))
-    assert verdict == CLEAR
-    assert clearance == pytest.approx(0.3)
-    assert prove(straight(0.0), Scene([Sphere((0, 0, 1), 0.81)]))[0] == TOUCHING
 
 
 def test_a_proof_ends_with_the_time() -> None:

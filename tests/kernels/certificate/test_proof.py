@@ -22,7 +22,6 @@ from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
 from tests.kernels.certificate.motions import Case, random_case, sampled, sampled_case, shape
-from tests.scene import shapes
 
 ITSELF = CLEARANCES + CLEARANCES_WIDTH
 SLACK = 0.1
@@ -133,35 +132,6 @@ def test_spheres_are_proved_as_capsules_without_length_are() -> None:
             np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
             verdicts.add(int(one[0, VERDICT]))
     assert {CLEAR, TOUCHING} <= verdicts
-
-
-PLACE, HALF = np.array([0.9, 0.0, 1.6]), np.array([0.15, 0.25, 0.2])
-
-
-def box_otherwise(rng: np.random.Generator) -> tuple[Scene, Scene]:
-    """A box as triangles, and as a cloud of points."""
-    vertices, faces = shapes.cube()
-    points = rng.uniform(-1, 1, (4000, 3)) * HALF + PLACE
-    return Scene([sn.Mesh(2.0 * vertices * HALF + PLACE, faces)]), Scene([sn.PointCloud(points, 0.02)])
-
-
-def test_a_motion_that_is_clear_is_bounded_as_tightly_as_it_is_asked_for() -> None:
-    """A distance that is just as far as it was asked for is enough, whatever its last digit: also of meshes, clouds."""
-    rng = np.random.default_rng(5)
-    others = box_otherwise(rng)
-    robot = sn.Robot.uniform(3, (0.8, 1.0), 2.0, radius=0.05)
-    clear = 0
-    for i in range(60):
-        q0 = shape(robot, rng)
-        case = Case(robot, others[i % 2], q0, q0 + 0.3 * (shape(robot, rng) - q0))
-        if prove(case, 1.0)[0, VERDICT] == CLEAR:
-            clear += 1
-            (answer,) = prove(case)
-            assert answer[VERDICT] == CLEAR
-            assert answer[CLEARANCES + PROVED_BOUND] >= (1.0 - 1e-6) * (
-                (1.0 - SLACK) * answer[CLEARANCES + LEAST_SEEN] - 1e-6
-            )
-    assert clear > 30
 
 
 @pytest.mark.parametrize("ends", [(-0.6, 0.6), (-0.3, 0.8), (-1.9, 0.1)])

@@ -5,17 +5,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from types import CodeType
 from typing import Any
 
 import numpy as np
 import pytest
 
 from sinuous.kernels import compile as compiling
-from sinuous.kernels.compile import interpreting
-from sinuous.kernels.maths.shapes import first_of, shaped
 from sinuous.kernels.maths.vectors import Array
-from sinuous.methods.search import search_by
 from tests.kernels.compile import parts
 
 HERE = Path(__file__).parents[3]
@@ -64,19 +60,6 @@ def test_what_python_refuses_is_what_the_processor_says(both: Any, x: float, y: 
         np.testing.assert_allclose(interpreted, compiled, rtol=1e-15, atol=0.0)
 
 
-def test_answers_are_numbers_of_python() -> None:
-    value = interpreting.plain((np.float64(1.5), np.int64(2), (np.bool_(True), "x")))
-    assert value == (1.5, 2, (True, "x"))
-    assert [type(one) for one in (*value[:2], value[2][0])] == [float, int, bool]
-
-
-def test_what_numba_writes_itself_is_python_too() -> None:
-    values = np.arange(6.0)
-    assert np.shares_memory(shaped(values, (2, 3)), values)
-    assert shaped(values, (2, 3))[1, 0] == 3.0
-    assert first_of(values, 2) == (0.0, 1.0)
-
-
 def test_a_kernel_stays_the_function_that_it_is() -> None:
     norm = parts.norm
     assert norm.__code__.co_filename == parts.__file__
@@ -84,13 +67,6 @@ def test_a_kernel_stays_the_function_that_it_is() -> None:
     assert norm.__code__.co_filename == parts.__file__
     assert norm.__code__.co_firstlineno == 13
     assert compiling.compiled_form(parts.norm).py_func is not norm
-
-
-def test_a_kernel_that_is_made_later_is_made_of_what_is_written() -> None:
-    """Methods are imported once they are asked for, when all other kernels may run as Python already."""
-    compiling.interpret_all()
-    (made,) = (each for each in search_by.__code__.co_consts if isinstance(each, CodeType))
-    assert not interpreting.HELPERS.keys() & set(made.co_names)
 
 
 def process(*command: str, mode: str = "interpreted") -> subprocess.CompletedProcess[str]:
@@ -126,11 +102,3 @@ debugger.runcall(parts.twice_the_norm, 3.0, 4.0)
 
 def test_a_debugger_stops_within_a_kernel() -> None:
     assert "seen 3.0 4.0" in process("-c", BREAK).stdout
-
-
-def test_another_mode_is_refused() -> None:
-    done = process("-c", "import sinuous.kernels.compile", mode="fast")
-    assert done.returncode == 1
-    assert done.stderr.splitlines()[-1].endswith(
-        "unknown SINUOUS_KERNELS 'fast'; expected one of auto, compiled, interpreted"
-    )

@@ -4,13 +4,10 @@ import math
 from typing import Any
 
 import numba
-import numpy as np
 import pytest
 
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compile import store
-from sinuous.kernels.maths.shapes import shaped
-from sinuous.kernels.maths.vectors import Array
 from tests.kernels.compile import parts
 
 
@@ -60,28 +57,6 @@ def test_code_of_users_is_not_mixed_up_with_what_an_entry_was_made_of() -> None:
     assert entry(3) == 7.0
     assert njit(theirs)(3, 5.0) == 16.0
     assert entry(3) == 7.0
-
-
-@pytest.mark.usefixtures("fresh")
-def test_helpers_of_numba_serve_users_as_before() -> None:
-    def ours(a: Array, n: int) -> float:
-        b = a.reshape((n, a.size // n))
-        return float(b[n - 1, 0] + shaped(a, (n, a.size // n))[0, 1] + max(b[0, 0], 1.0))
-
-    def theirs(a: Array, n: int, m: int) -> float:
-        b = a.reshape((n, m))
-        return float(b[n - 1, m - 1] * 1000 + b[0, m - 1] + min(b[0, 0], 1.0))
-
-    values = np.arange(24.0)
-    own, user = compiling.entry(_copy(ours)), njit(theirs)
-    assert own(values, 4) == 18.0 + 1.0 + 1.0
-    for n, m in ((2, 12), (3, 8), (6, 4), (24, 1)):
-        assert user(values, n, m) == 23000.0 + (m - 1) + 0.0
-    assert own(values, 4) == 18.0 + 1.0 + 1.0
-
-
-def _copy(function: Any) -> Any:
-    return type(function)(function.__code__, function.__globals__)
 
 
 @pytest.mark.usefixtures("fresh")

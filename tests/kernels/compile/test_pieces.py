@@ -1,6 +1,5 @@
 """What is compiled is said before it begins, once, with what and how long."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,6 @@ import pytest
 
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compile import store, tiers
-from tests.base.test_progress import Terminal
 
 
 @pytest.fixture
@@ -51,24 +49,3 @@ def test_compiling_a_piece_is_announced_once_in_a_process(
     entry(2)
     assert capsys.readouterr().err.count("compiling") == 1
     assert len(entry.signatures) == 2
-
-
-def test_another_can_be_told(fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]) -> None:
-    told: list[tiers.Piece] = []
-    entry = fresh(9)
-    with tiers.told_to(told.append):
-        entry(2.0)
-    assert [piece.what for piece in told] == ["halves"]
-    assert capsys.readouterr().err == ""
-    assert tiers._tellers == [tiers._print]
-
-
-def test_a_person_sees_a_bar(fresh: Callable[[int], Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    fresh(9)
-    stream = Terminal()
-    monkeypatch.setattr(sys, "stderr", stream)
-    with tiers.announced(tiers.PIECES[0]):
-        pass
-    said = stream.getvalue()
-    assert said.startswith("sinuous: compiling halves")
-    assert "0:00:0" in said

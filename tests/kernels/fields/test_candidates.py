@@ -7,8 +7,8 @@ import pytest
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.fields.distances import beside
-from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, SHAPE
-from sinuous.scene import parts, sampling
+from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE
+from sinuous.scene import parts
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
@@ -54,21 +54,6 @@ def test_distances_by_lists_are_those_of_the_tree(name: str) -> None:
     assert lists.row[FIRST_SAMPLE] == plain.row[FIRST_CELL] == -1.0
     points = near_and_far(mesh)
     one, other = Snapshot((mesh,), [lists]), Snapshot((mesh,), [plain])
-    np.testing.assert_allclose(one.distance(points), other.distance(points), rtol=1e-13, atol=1e-13)
-
-
-def test_lists_that_have_no_room_leave_it_to_the_tree(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where entries run out, lists end early, then are empty."""
-    mesh = boxes(11)
-    monkeypatch.setattr(sampling, "ENTRIES", 30_000)
-    short, plain = parts.prepare(mesh, "boxes"), parts._of_pieces(parts.triangles(mesh))
-    first, shape = int(short.row[FIRST_CELL]), short.row[SHAPE : SHAPE + 3].astype(int)
-    counts = short.store[first : first + 3 * shape.prod()].reshape(-1, 3)[:, 1]
-    assert (counts > 0.0).any()
-    assert (counts < 0.0).any()
-    assert (counts == 0.0).any()
-    points = near_and_far(mesh)
-    one, other = Snapshot((mesh,), [short]), Snapshot((mesh,), [plain])
     np.testing.assert_allclose(one.distance(points), other.distance(points), rtol=1e-13, atol=1e-13)
 
 

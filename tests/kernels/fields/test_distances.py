@@ -1,6 +1,5 @@
 """Signed distances: FCL outside, the ball that just fits inside, and the laws of every distance field."""
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -11,7 +10,7 @@ import pytest
 from sinuous.kernels.fields import distances
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats, kernel_scene, random_rotation, vec
+from tests.helpers import Floats, kernel_scene, random_rotation
 
 KINDS = ("sphere", "box", "capsule", "cylinder", "half_space")
 Gauge = Callable[[Floats], Floats]
@@ -150,23 +149,3 @@ def test_delicate_places_have_unit_gradients_too() -> None:
         np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 1.0, atol=1e-12)
         above = ask(obstacle, points + 1e-7 * gradients)[0]
         assert (above <= values + 1e-7 + 1e-15).all()
-
-
-def test_the_nearest_of_many() -> None:
-    rng = np.random.default_rng(50)
-    obstacles = [draw(kind, rng)[0] for kind in KINDS * 4]
-    scene = kernel_scene(Scene(obstacles))
-    points = rng.normal(size=(100, 3)) * 2
-    single = np.stack([ask(obstacle, points)[0] for obstacle in obstacles])
-    values, above, gradients, which = np.empty(100), np.empty(100), np.empty((100, 3)), np.empty(100, np.int64)
-    distances.many(*scene, points, values, above, gradients, which)
-    np.testing.assert_array_equal(values, single.min(axis=0))
-    np.testing.assert_array_equal(which, single.argmin(axis=0))
-    for i, p in enumerate(points[:10]):
-        value = pytest.approx(values[i], rel=1e-15)  # machine code rounds once where Python rounds twice
-        d, obstacle = distances.nearest(scene, vec(p))
-        assert (d == value, obstacle) == (True, which[i])
-        for known in (math.inf, values[i]):
-            d, g = distances.obstacle(scene, int(which[i]), vec(p), known)
-            assert d == value
-            np.testing.assert_allclose(g, gradients[i], rtol=0.0, atol=1e-15)

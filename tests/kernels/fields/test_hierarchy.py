@@ -106,18 +106,6 @@ def test_upper_bounds_and_what_holds_for_all_are_the_same(cells: bool) -> None:
             assert distances.at_most(own, p, reach) == distances.at_most(plain, p, reach)
 
 
-def test_one_obstacle_may_be_skipped() -> None:
-    rng = np.random.default_rng(2)
-    obstacles = some(80, rng)
-    scene = kernel_scene(sn.Scene(obstacles))
-    for p in map(vec, places(20, rng)):
-        _, nearest = distances.closest(scene, p, math.inf, EXACT)
-        others = sn.Scene([own for i, own in enumerate(obstacles) if i != nearest])
-        d, _, which = distances.search(scene, p, math.inf, EXACT, 0.0, nearest)
-        assert d == distances.nearest(kernel_scene(others), p)[0]
-        assert which != nearest
-
-
 @pytest.mark.parametrize("cells", [False, True])
 def test_those_near_are_listed_in_their_order_and_once(cells: bool) -> None:
     rng = np.random.default_rng(3)
@@ -135,17 +123,6 @@ def test_those_near_are_listed_in_their_order_and_once(cells: bool) -> None:
             assert rest >= reach
             few, _ = pieces.few_near(own, p, reach, listed)
             assert few == (count if count <= pieces.FEW else pieces.MANY)
-
-
-@pytest.mark.parametrize("cells", [False, True])
-def test_a_place_is_as_far_from_those_listed_as_from_all(cells: bool) -> None:
-    rng = np.random.default_rng(4)
-    own, plain = both(sn.Scene(some(80, rng)), cells)
-    everyone = np.arange(own.table.shape[0])
-    for p in map(vec, places(20, rng)):
-        for mode in (INTERPOLATED, LOWER_BOUND, EXACT):
-            expected = pieces.closest(plain, everyone, len(everyone), p, math.inf, mode)
-            assert pieces.closest(own, everyone, pieces.MANY, p, math.inf, mode) == expected
 
 
 def test_lines_meet_the_boxes_that_they_come_near() -> None:
@@ -173,17 +150,6 @@ def test_lines_meet_the_boxes_that_they_come_near() -> None:
                 assert i in met
     assert free > 3
     assert cut > 3
-
-
-def test_a_part_of_the_rows_is_asked_one_by_one() -> None:
-    rng = np.random.default_rng(6)
-    scene = sn.Scene(some(80, rng))
-    own = kernel_scene(scene)
-    some_rows = distances.Scene(own.table[:70].copy(), own.store)
-    assert not distances.is_large(some_rows)
-    for p in map(vec, places(5, rng)):
-        each = [distances.evaluate(own, i, p, math.inf, EXACT)[0] for i in range(70)]
-        assert distances.nearest(some_rows, p) == (min(each), int(np.argmin(each)))
 
 
 @pytest.mark.parametrize("count", [t.MANY_OBSTACLES - 1, t.MANY_OBSTACLES])
@@ -235,16 +201,6 @@ def test_cells_cover_what_is_asked_for_and_go_where_an_obstacle_changes() -> Non
     assert cells_of(moved) == cells_of(changed) == 0.0
     assert moved._kernel_group.size == changed._kernel_group.size < snapshot._kernel_group.size
     np.testing.assert_array_equal(changed.distance(points), sn.Scene(changed.obstacles).distance(points))
-
-
-def test_a_dragged_obstacle_is_found_where_it_is() -> None:
-    rng = np.random.default_rng(8)
-    obstacles, points = some(80, rng), places(100, rng)
-    mover = Mover(sn.Scene(obstacles).snapshot(), 3)
-    for made in (some(10, rng)[3], sn.Box((0, 0, 0), (20, 20, 20), inside=True), some(10, rng)[3]):
-        obstacles[3] = made
-        moved = mover.moved(made)
-        np.testing.assert_array_equal(moved.distance(points), sn.Scene(obstacles).distance(points))
 
 
 def test_a_hierarchy_is_made_anew_after_many_changes() -> None:

@@ -84,21 +84,6 @@ def test_the_closest_is_the_closest_of_all(kind: int, count: int) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_only_what_is_within_reach_is_found(kind: int) -> None:
-    rng = np.random.default_rng(3)
-    store, tree, items = planted(kind, draw(kind, 60, rng))
-    for p in rng.normal(size=(60, 3)):
-        nearest = each(kind, items, p).min()
-        for reach in (nearest - 0.3, nearest - 1e-9, nearest + 1e-9, nearest + 0.3):
-            found, lifted = trees.closest(store, tree, vec(p), trees.lift(reach))
-            assert (found >= 0) == (reach > nearest)
-            if found < 0:
-                assert lifted == trees.lift(reach)
-            else:
-                assert trees.unlift(lifted) == pytest.approx(nearest, abs=1e-12)
-
-
-@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("count", [1, 5, 200])
 def test_no_point_of_a_patch_is_nearer_than_its_bound(kind: int, count: int) -> None:
     """And a patch across the gradient of one primitive is bounded by what its center says."""

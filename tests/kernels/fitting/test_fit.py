@@ -6,7 +6,6 @@ from scipy.spatial import cKDTree
 
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Sphere
@@ -48,18 +47,6 @@ def test_a_chain_finds_into_its_own_backbone(n: int, spread: float) -> None:
     assert np.max(off) < (0.01 if spread == 0.0 else 0.05)
     assert np.linalg.norm(robot.tip(found)[:3, 3] - robot.tip(q)[:3, 3]) < 0.03
     assert robot.excess(found) <= 1e-12
-
-
-def test_a_straight_stage_takes_the_length_that_the_route_has() -> None:
-    robot = Robot([Segment((0.0, 3.0), 0.0), *[Segment(1.0, 2.4)] * 3])
-    q = np.vstack([[0.0, 0.0, 1.7], shape(5, 3, 0.0)])
-    found = lay(robot, own_route(robot, q))
-    assert found[0, 2] == pytest.approx(1.7, abs=0.05)
-
-
-def test_without_time_a_fit_ends_within_limits() -> None:
-    robot = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4)
-    assert robot.excess(lay(robot, own_route(robot, shape(7, 5, 0.1)), seconds=0.0)) <= 1e-12
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, distances_along, measure_line, widths_across
+from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, distances_along, widths_across
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -63,11 +63,3 @@ def test_a_wall_between_two_points_is_not_stepped_over() -> None:
     assert room[2] == pytest.approx(0.15, abs=0.01)
     assert (room[[0, 1, 4]] >= 0.4).all()
     assert (beside(door, coarse, 0.0, 0.4) >= 0.4).all()
-
-
-@pytest.mark.parametrize("count", [1, 2, 30])
-def test_the_length_of_a_line_is_that_of_its_steps(count: int) -> None:
-    line, along = np.random.default_rng(count).normal(size=(count, 3)), np.empty(count)
-    measure_line(line, along)
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    np.testing.assert_allclose(along, [steps[:i].sum() for i in range(count)], rtol=1e-14)

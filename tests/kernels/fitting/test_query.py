@@ -1,13 +1,11 @@
 """What a robot and its targets ask of a route."""
 
-import math
 from typing import Any
 
 import numpy as np
 import pytest
 
-from sinuous import pose
-from sinuous.kernels.fitting.query import ASSUMED, THINNEST, route_query
+from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.query import read_query
 from sinuous.kernels.tables import QUERY_WIDTH
 from sinuous.model.robot import Robot
@@ -53,21 +51,6 @@ def test_the_numbers_of_a_robot_are_those_of_its_segments() -> None:
     assert (query.goal_radius, query.back) == (0.0, (0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize("thin", [0.0, 1e-9, 0.99 * THINNEST])
-def test_segments_of_hardly_any_thickness_do_not_count(thin: float) -> None:
-    segments = [Segment(1.0, 2.0, radius=radius) for radius in (0.2, thin, 0.1, 0.15)]
-    assert read(Robot(segments), Target((0.0, 0.0, 3.0))).radius == 0.1
-    without = [segment.changed(radius=thin) for segment in segments]
-    assert read(Robot(without), Target((0.0, 0.0, 3.0))).radius == pytest.approx(4.0 * ASSUMED)
-
-
-def test_only_segments_up_to_the_target_count() -> None:
-    query = read(ROBOT, [Target((0.0, 0.0, 2.0), segment=3), Target(direction=(0, 0, 1))])
-    assert query.radius == 0.15
-    assert query.longest == pytest.approx(3.2)
-    assert query.other_length == pytest.approx(1.0)
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_a_tool_moves_the_goal_and_leaves_it_room(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -81,10 +64,3 @@ def test_a_tool_moves_the_goal_and_leaves_it_room(seed: int) -> None:
     end = as_matrix(goal[:3, :3], goal[:3, 3]) @ np.linalg.inv(tool)
     assert fixed.goal == pytest.approx(end[:3, 3])
     assert fixed.goal_radius == pytest.approx(1e-2 * length)
-
-
-def test_a_robot_that_cannot_bend_has_a_turn_that_fits() -> None:
-    stiff = Robot([Segment((0.0, 2.0), 0.0)], base=pose((0, 0, 0)))
-    query = read(stiff, Target((0.0, 0.0, 1.0)))
-    assert query.turn == pytest.approx(0.5)
-    assert math.isfinite(query.turn)

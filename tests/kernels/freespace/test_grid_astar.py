@@ -121,19 +121,6 @@ def test_a_route_costs_little_more_than_the_cheapest(seed: int, inflation: float
     assert cost(work, met) <= inflation * (2.0 * least - np.linalg.norm(GOAL)) * (1 + 1e-12)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_route_is_a_chain_of_neighbours_that_can_be_passed(seed: int) -> None:
-    scene, where, work = spheres(seed), grid(), memory()
-    _, met = explore(work, where, scene)
-    route = trace(work, where, met)
-    assert np.linalg.norm(route[0]) <= where.start_radius
-    assert np.linalg.norm(route[-1] - where.goal) <= HALF_DIAGONAL * CELL
-    assert np.abs(np.diff(route, axis=0)).max() <= CELL * (1 + 1e-9)
-    assert scene.distance(route).min() >= where.clearance
-    steps = np.linalg.norm(np.diff(route, axis=0), axis=1).sum() + np.linalg.norm(route[-1] - where.goal)
-    assert work.sides.length[:, met].sum() == pytest.approx(steps, rel=1e-6)
-
-
 def world(seed: int) -> Scene:
     """A closed room about the goal or the start, with a door or without, askew, and some more boxes and balls."""
     rng = np.random.default_rng(seed)
@@ -203,12 +190,3 @@ def test_a_route_by_cells_of_all_sizes_is_clear_and_not_dear(seed: int) -> None:
     assert scene.distance(along).min() > where.clearance - HALF_DIAGONAL * where.cell
     plain = explore(finest := memory(1 << 16), of_sizes(0), scene)[1]
     assert cost(work, met) <= 2.0 * cost(finest, plain)
-
-
-def test_nothing_passes_behind_the_ends() -> None:
-    where, work = grid(goal=(0.0, 0.0, -0.8), axis=(0.0, 0.0, 1.0), turn=0.7, reach=3.0), memory()
-    ended, met = explore(work, where, Scene())
-    assert ended == FOUND
-    route = trace(work, where, met)
-    assert not ((route[:, 2] < -CELL) & (np.linalg.norm(route, axis=1) < 0.7)).any()
-    assert np.hypot(route[:, 0], route[:, 1]).max() >= 0.6

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 
 from sinuous.kernels.freespace.homotopy import (
     EASED,
@@ -13,7 +12,6 @@ from sinuous.kernels.freespace.homotopy import (
     draw_tight,
     halfway,
     homotopy_workspace_size,
-    trace_lines,
 )
 from sinuous.scene.obstacles import Cylinder, Sphere
 from sinuous.scene.scene import Scene
@@ -105,15 +103,6 @@ def test_curves_that_are_not_drawn_tight_are_never_told_alike_when_they_are_not(
     assert all(one == other for one, other in found)
 
 
-def test_one_end_may_be_ahead_of_the_other() -> None:
-    """Along a bent pipe, points at equal fractions of length cannot see each other when one curve is longer."""
-    ring = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 0.9)])
-    angles = np.linspace(0.0, 1.5 * np.pi, 60)
-    around = np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=1)
-    off_start = around + np.outer(np.sin(np.linspace(0.0, np.pi, 60)) ** 8, (0.0, 0.0, 0.9))
-    assert deform(ring, even(around), even(off_start))
-
-
 def test_halfway_is_clear_and_leads_round() -> None:
     angle = 0.9
     up = even(np.array([START, (0.0, 0.0, 1.1), END]))
@@ -123,26 +112,6 @@ def test_halfway_is_clear_and_leads_round() -> None:
     assert BALL.distance(middle).min() > LEASH_SLACK * KEEP
     assert deform(BALL, up, middle)
     assert deform(BALL, middle, aside)
-
-
-def test_lines_of_sight_end_where_they_come_near() -> None:
-    rng = np.random.default_rng(3)
-    starts, ends = rng.uniform(-2.0, 2.0, (2, 200, 3))
-    lengths, which = np.full(200, np.nan), np.full(200, -9)
-    trace_lines(PILLARS.snapshot().group.copy(), starts, ends, KEEP, math.inf, workspace(), lengths, which)
-    shares = np.linspace(0.0, 1.0, 4001)
-    for i in range(200):
-        whole = float(np.linalg.norm(ends[i] - starts[i]))
-        distances = PILLARS.distance(starts[i] + shares[:, None] * (ends[i] - starts[i]))
-        near = distances < LEASH_SLACK * KEEP
-        if which[i] < 0:
-            assert not near.any()
-            assert lengths[i] == pytest.approx(whole)
-        else:
-            at = starts[i] + lengths[i] / whole * (ends[i] - starts[i])
-            assert PILLARS.distance(at) < KEEP
-            assert PILLARS.nearest(at) == which[i]
-            assert not near[shares * whole < lengths[i] - 1e-3].any()
 
 
 def test_without_time_nothing_is_told_alike_nor_drawn_tight() -> None:

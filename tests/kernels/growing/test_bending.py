@@ -1,7 +1,6 @@
 """Arcs that come out: within limits, clear as independent distances say, along tubes, and cut where no more fits."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from sinuous.kernels.growing.bending import MOST_OVERLAP, Nearby, come_out
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box, Capsule, Sphere
+from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_problem, mat, vec
 
@@ -67,23 +66,6 @@ def test_an_arc_beside_a_wall_is_bent_off_it(offset: float) -> None:
     assert overlap <= 0.0
     assert gap(wall, FREE, arc) >= 0.0
     assert arc[0] < 1.0
-
-
-@pytest.mark.parametrize("bend", [0.0, 0.5, 1.0])
-def test_an_arc_in_a_tube_follows_it_beyond_its_end(bend: float) -> None:
-    """A tube of two radii of the body, of thick rods, around an arc of radius 2."""
-    rods = []
-    turns = np.linspace(-0.3, 1.2, 40)
-    for side in np.linspace(0.0, 2.0 * math.pi, 10, endpoint=False):
-        out_by, up = 0.5 * math.cos(side), 0.5 * math.sin(side)
-        points = np.stack([2.0 - (2.0 + out_by) * np.cos(turns), np.full(40, up), (2.0 + out_by) * np.sin(turns)], 1)
-        rods += [Capsule(a, b, 0.3) for a, b in pairwise(points)]
-    tube, segment = Scene(rods), Segment((1.0, 1.0), 3.0, radius=RADIUS)
-    arc, overlap = out(tube, (bend, 0.3, 1.0), segment)
-    assert overlap <= MOST_OVERLAP
-    assert gap(tube, segment, arc) >= -MOST_OVERLAP - 0.1
-    beyond = Robot([Segment(1.0 + RADIUS, 6.0)]).backbone((1.0 + RADIUS) * arc[None], 100)
-    assert tube.distance(beyond).min() > 0.0  # as if it went on for one more radius
 
 
 def test_a_rigid_link_is_not_bent_and_cut_before_what_is_across() -> None:

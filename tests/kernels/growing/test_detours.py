@@ -37,14 +37,3 @@ def test_a_route_that_is_long_enough_and_one_without_room_stay_as_they_are() -> 
         length, points = led(line, wanted, 0, scene)
         np.testing.assert_allclose(length, np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
         np.testing.assert_allclose(points, line, atol=0.05)
-
-
-def test_another_unit_of_length_changes_nothing() -> None:
-    unit = 1024.0
-    sphere, other = Sphere((0.3, 0.2, 1.5), 0.3), Sphere(unit * np.array([0.3, 0.2, 1.5]), unit * 0.3)
-    aside = LINE + np.array([1.0, 0.0, 0.0])
-    for seed in range(4):
-        length, points = led(aside, 5.0, seed, Scene([sphere]))
-        scaled, far = led(aside, 5.0, seed, Scene([other]), unit)
-        assert scaled == unit * length
-        np.testing.assert_array_equal(far, unit * points)

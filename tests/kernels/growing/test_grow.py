@@ -10,7 +10,7 @@ from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box, Cylinder
+from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from sinuous.solver.polylines import respaced
 from tests.helpers import Floats, kernel_groups
@@ -97,29 +97,6 @@ def test_no_chain_crosses_a_wall() -> None:
         assert ROBOT.backbone(q, 50)[:, 2].max() < 1.5
 
 
-def test_of_the_chains_none_ends_as_another_one_does_and_few_begin_alike() -> None:
-    chains = grown(ROBOT, Scene([]), [Target((1.2, 0.0, -2.0))], [BEHIND], count=8)
-    tips = np.stack([ROBOT.tip(q) for q in chains])
-    ends = np.concatenate([tips[:, :3, 3], tips[:, :3, 2]], axis=1)
-    assert len(chains) == 8
-    assert (np.abs(ends[:, None] - ends).max(axis=-1) + np.eye(8) > 1e-9).all()
-    assert len({tuple(q[0]) for q in chains.round(6)}) > 1
-
-
-@pytest.mark.parametrize("unit", [0.01, 50.0])
-def test_the_unit_of_length_does_not_matter(unit: float) -> None:
-    robot = Robot.uniform(6, length=unit, max_bend=1.6, radius=unit * RADIUS)
-    boxes = Scene([Box(unit * box.center, unit * box.size) for box in BOXES])
-    here = grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND], count=2)
-    there = grown(robot, boxes, [Target(unit * BEHIND[-1])], [unit * BEHIND], count=2)
-    assert len(here) == len(there)
-    gaps = [
-        np.linalg.norm(ROBOT.tip(here[0])[:3, 3] - BEHIND[-1]),
-        np.linalg.norm(robot.tip(there[0])[:3, 3] / unit - BEHIND[-1]),
-    ]
-    assert max(gaps) < 0.5
-
-
 def test_a_chain_goes_from_target_to_target() -> None:
     elbow, tip = np.array([0.8, 0.0, 2.0]), np.array([3.2, 0.4, 2.8])
     legs = [np.linspace(np.zeros(3), elbow, 20), np.linspace(elbow, tip, 20)]
@@ -128,16 +105,6 @@ def test_a_chain_goes_from_target_to_target() -> None:
     ends = ROBOT.backbone(best, 1)
     assert np.linalg.norm(ends[3] - elbow) < 0.5
     assert np.linalg.norm(ends[6] - tip) < 0.5
-
-
-def test_narrow_beams_follow_a_route_that_is_not_seen_as_far_as_a_segment_is_long() -> None:
-    """Close around a cylinder: what an arc promises counts from where it ends, not from what its beginning saw."""
-    around, turns = 1.12, np.linspace(0.0, 6.0 / 1.12, 200)
-    route = np.stack([around - around * np.cos(turns), np.zeros(200), around * np.sin(turns)], axis=1)
-    scene = Scene([Cylinder((around, -2.0, 0.0), (around, 2.0, 0.0), 1.0)])
-    (q,) = grown(ROBOT, scene, [Target(route[-1])], [route], count=1)
-    assert np.linalg.norm(ROBOT.tip(q)[:3, 3] - route[-1]) < RADIUS
-    assert overlap(ROBOT, scene, q) < KEPT
 
 
 def test_without_time_there_is_none() -> None:

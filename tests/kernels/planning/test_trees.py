@@ -4,9 +4,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.motion.p5 import draw
-from sinuous.kernels.certificate.query import CLEARANCES
-from sinuous.kernels.certificate.sweep import PROVED_BOUND
 from sinuous.kernels.planning.query import UNPROVED_DRAWS
 from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
 from sinuous.motion.planning.query import Deadline
@@ -15,7 +12,6 @@ from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats
 from tests.kernels.certificate.motions import shape
-from tests.motion.planning.places import STRETCHING, pair
 
 SEGMENTS, NODES = 2, 40
 ROBOT = sn.Robot([sn.Segment(1.0, 2.8, radius=0.03)] * 3)
@@ -94,30 +90,6 @@ def test_what_looks_miss_is_on_no_path_and_in_no_tree() -> None:
         np.testing.assert_array_equal(path.q[[0, -1]], ends)
         assert prove_steps(ROBOT, scene.snapshot(), path.q).proved.all()
     assert met > 0
-
-
-def test_the_bound_of_any_edge_is_half_as_large_as_it_may_be() -> None:
-    edges = 0
-    for seed in range(12):
-        scene, ends = pair(seed)
-        path = RRTConnect(STRETCHING, scene.snapshot()).grow(ends, 0, (0, 5000), Deadline(1e4))
-        assert path is not None
-        tight = prove_steps(STRETCHING, scene.snapshot(), path.q, slack=0.01).clearances
-        assert (path.answers[:, CLEARANCES + PROVED_BOUND] >= 0.49 * tight).all()
-        edges += len(tight)
-    assert edges > 12
-
-
-@pytest.mark.parametrize(("segments", "number"), [(6, 192), (4, 1)])
-def test_trees_come_out_of_narrow_places(segments: int, number: int) -> None:
-    """Hardly any direction leads out of there in which all segments move at once."""
-    hard = draw(segments, 1, number, 0)
-    trees = RRTConnect(hard.robot, hard.scene.snapshot())
-    for seed in range(4):
-        path = trees.grow(np.stack([hard.start, hard.goal]), seed, (0, 1024), Deadline(1e4))
-        assert path is not None, seed
-        assert len(path.q) > 2
-        assert prove_steps(hard.robot, hard.scene.snapshot(), path.q).proved.all()
 
 
 def test_a_tree_that_is_behind_keeps_limits_that_segments_share() -> None:

@@ -77,20 +77,3 @@ def test_a_route_is_no_longer_than_it_may_be() -> None:
     scene = Scene(wall(1.0, (1.2, 0.0), 0.15))
     assert len(find(scene, longest=2.2)) == 0
     check(find(scene, longest=4.0), scene)
-
-
-def test_a_route_leaves_straight_and_turns_back_where_there_is_room() -> None:
-    scene = Scene(wall(-0.6, (0.5, 0.0), 0.2))
-    back: dict[str, Any] = {"goal": (0.5, 0.0, -1.5), "turn": 0.3, "longest": 6.0}
-    route = find(scene, **back)
-    assert len(route) > 0
-    assert scene.distance(route).min() > 0.8 * RADIUS
-    assert route[1, 2] > 0.0
-    straight = find(scene, **back, straight_max=0.6, other_length=0.1)
-    assert straight[:, 2].max() > 0.5
-
-
-def test_without_time_there_is_none_and_the_same_search_ends_the_same() -> None:
-    scene = Scene(wall(1.0, (0.9, -0.4), 0.2))
-    assert len(find(scene, seconds=-1.0)) == 0
-    assert np.array_equal(find(scene), find(scene))

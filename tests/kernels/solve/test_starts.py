@@ -4,9 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.optimize import brentq
 
 from sinuous.kernels.packing import pose_row
 from sinuous.kernels.solve import starts
@@ -25,12 +22,6 @@ MIXED = Robot(
         Segment(0.7, math.pi),
     ]
 )
-
-
-@given(st.one_of(st.floats(0.0, 1.0 - 1e-6), st.sampled_from([0.0, 1e-12, 0.5, 0.999])))
-def test_chord_angle_solves_its_equation(ratio: float) -> None:
-    expected = math.pi if ratio < 1e-12 else brentq(lambda x: math.sin(x) / x - ratio, 1e-9, math.pi)
-    assert starts.chord_angle(ratio) == pytest.approx(expected, abs=1e-6)
 
 
 def single_arc(robot: Robot, goal: Floats, tip: int, base: Floats) -> Floats:
@@ -77,18 +68,6 @@ def sequence(seed: int, count: int, robot: Robot = MIXED, most: float = math.pi)
     for i in range(count):
         starts.scattered(robot.limits, i, seed, most, out[i])
     return out
-
-
-@pytest.mark.parametrize("most", [math.pi, 2.0 * math.pi])
-def test_shapes_bend_as_far_as_they_may_and_no_farther(most: float) -> None:
-    """The squares of bends are even up to the smaller of limit and cap."""
-    robot = Robot([Segment(1.0, 20.0), Segment(1.0, 5.0), Segment(1.0, 2.0)])
-    bends = np.hypot(*np.moveaxis(sequence(1, 3000, robot, most)[..., :2], -1, 0))
-    for k, limit in enumerate((20.0, 5.0, 2.0)):
-        cap = min(limit, most)
-        assert bends[:, k].max() <= cap
-        quantiles = np.linspace(0.05, 0.95, 19)
-        np.testing.assert_allclose(np.quantile((bends[:, k] / cap) ** 2, quantiles), quantiles, atol=0.04)
 
 
 def test_shapes_cover_the_limits_evenly() -> None:

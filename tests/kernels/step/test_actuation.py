@@ -93,23 +93,6 @@ def reserve(rows: Any, at_tip: int) -> None:
     rows.start[N] = at + at_tip
 
 
-def test_every_limit_gets_an_idle_row_on_its_last_segment() -> None:
-    rows: Any = make_rows(N, len(TABLE))
-    rows.kind[:] = END
-    rows.twist[:], rows.inner[:], rows.total[:], rows.value[:] = np.nan, np.nan, np.nan, np.nan
-    reserve(rows, 0)
-    np.testing.assert_array_equal(rows.start, [0, 3, 6, 6, 10, 12])
-    np.testing.assert_array_equal(rows.kind, IDLE)
-    np.testing.assert_array_equal(rows.twist, 0.0)
-    np.testing.assert_array_equal(rows.value, 0.0)
-    rng = np.random.default_rng(1)
-    q = draw(rng, 1.0)
-    total = np.cumsum(q, axis=0)
-    last = np.repeat([0, 1, 3, 4], [3, 3, 4, 2])
-    seen = (rows.inner * q[last]).sum(axis=1) + (rows.total * total[last]).sum(axis=1)
-    np.testing.assert_allclose(seen, ROBOT.to_actuators(q), atol=1e-14)
-
-
 @pytest.mark.parametrize("seed", range(10))
 def test_a_bound_step_moves_up_to_the_limits_and_not_beyond(seed: int) -> None:
     rng = np.random.default_rng(seed)

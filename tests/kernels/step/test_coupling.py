@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT
-from sinuous.kernels.body.self_contacts import MOST_PAIRS, PAIR_VALUE, PAIR_WEIGHTS, self_contacts
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, PAIR_VALUE, self_contacts
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.coupling import couple
 from sinuous.kernels.step.states import NORMS, PAIRS, State, Work
-from tests.helpers import Floats, columns_of, configurations, frames_of, random_pose
+from tests.helpers import Floats, columns_of, configurations, frames_of
 from tests.kernels.body.test_self_proof import curled, sampled, table_of
 from tests.kernels.step.test_sweeps import SIZES, dense_step, random_rows
 
@@ -86,32 +86,3 @@ def test_contacts_ask_for_what_is_missing(several: bool) -> None:
         assert asked >= 0.02 - least - 0.1 * abs(least) - 0.25 * 0.02 - 2.0 * spacing
         assert asked <= 0.02 - least + 2.0 * spacing
     assert seen > 15
-
-
-def test_weights_are_the_derivative_of_the_distance() -> None:
-    """Of the least gap, which to first order is that of two places that stay where they are on the body."""
-    rng = np.random.default_rng(6)
-    checked = 0
-    while checked < 12:
-        radii = np.full(4, 0.2)
-        q = curled(rng, radii, 3.0)
-        pairs, _ = found(q, radii, 0.05)
-        elsewhere, _ = found(q, radii, 0.05, base=random_pose(rng, 2.0))
-        np.testing.assert_allclose(elsewhere, pairs, atol=1e-8)
-        if len(pairs) != 1 or pairs[0, PAIR_VALUE] < 0.06:
-            continue
-        # Where gaps are least, moving the places changes nothing to first order: differences of the least gap are it.
-        direction = rng.normal(size=q.shape)
-        slope = pairs[0, PAIR_WEIGHTS:] @ direction.ravel()
-        step = 1e-4
-        ahead, behind = (least_gap(q + sign * step * direction, radii) for sign in (1.0, -1.0))
-        if abs(ahead + behind - 2.0 * least_gap(q, radii)) < 1e-6:
-            assert (ahead - behind) / (2.0 * step) == pytest.approx(
-                slope, abs=0.25 * np.abs(pairs[0, PAIR_WEIGHTS:]).sum()
-            )
-            checked += 1
-
-
-def least_gap(q: Floats, radii: Floats) -> float:
-    """By matrix exponentials."""
-    return sampled(q, radii)[0]

@@ -51,18 +51,6 @@ def test_retract_ends_within_the_limits_and_stays(k: int, bend: float, angle: fl
     np.testing.assert_allclose(limits.project_segment(TABLE, k, *once), once, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("beyond", [1e-15, 1e-9, 1e-4, 1e-2])
-def test_a_little_beyond_a_limit_is_brought_back_too(beyond: float) -> None:
-    for k, segment in enumerate(SEGMENTS):
-        for length in np.linspace(*segment.length, 5):
-            bend = cap(k, length) * (1.0 + beyond)
-            got = limits.project_segment(TABLE, k, bend * math.cos(2.0), bend * math.sin(2.0), float(length))
-            assert math.hypot(*got[:2]) == pytest.approx(cap(k, length), rel=1e-14, abs=0.0)
-        low, high = segment.length
-        assert limits.project_segment(TABLE, k, 0.0, 0.0, low - beyond)[2] == low
-        assert limits.project_segment(TABLE, k, 0.0, 0.0, high + beyond)[2] == high
-
-
 def within(rng: np.random.Generator) -> Floats:
     """Draw a configuration within the limits, often on them."""
     out = []

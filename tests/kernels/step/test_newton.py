@@ -15,12 +15,11 @@ from sinuous.kernels.fields import solids
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.newton import MISSED
-from sinuous.kernels.step.states import ANGLE, CLEARANCE_SEEN, MERIT, POSITION, pick
+from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, pick
 from sinuous.model.actuators import Tendons
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.obstacles import Sphere
 from tests.helpers import Floats, kernel_problem, random_pose
 from tests.kernels.workspace import NEVER, make_workspace, put
 
@@ -77,21 +76,6 @@ def linearised(problem: Problem, q: Floats) -> tuple[Any, Any]:
     return state, work
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_norms_are_what_is_missing(seed: int) -> None:
-    q, targets = shape(WIDE, seed), targets_at(WIDE, shape(WIDE, seed + 100), seed)
-    problem = kernel_problem(WIDE, targets)
-    state, _ = linearised(problem, q)
-    _, missing = dense(WIDE, targets, q)
-    off, turn = missing[:3], missing[3:6]
-    inner = missing[6:] if len(missing) > 6 else np.zeros(3)
-    farthest = max(np.linalg.norm(off), np.linalg.norm(inner)) * WIDE.mean_length
-    assert state.norms[MERIT] == pytest.approx(missing @ missing)
-    assert state.norms[POSITION] == pytest.approx(farthest)
-    assert state.norms[ANGLE] == pytest.approx(np.linalg.norm(turn))
-    assert state.norms[CLEARANCE_SEEN] == math.inf
-
-
 @pytest.mark.parametrize("mu", [1e-6, 1e-2, 10.0])
 @pytest.mark.parametrize("seed", range(6))
 def test_the_step_is_the_dense_damped_gauss_newton_step(seed: int, mu: float) -> None:
@@ -132,25 +116,6 @@ def descended(problem: Problem, q: Floats, most: int = 60, deadline: int = NEVER
     put(states, 0, q)
     at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most, 0.0, False)
     return states.q[at].copy(), states.norms[at].copy(), verdict, used
-
-
-def test_a_descent_that_wishes_for_clearance_keeps_it() -> None:
-    """The last segment is bent towards a sphere; nothing that is asked of the tip holds the others there."""
-    robot = Robot.uniform(4, (0.9, 1.1), 2.0, radius=0.05)
-    q = np.array([[0.2, 0.0, 1.0]] * 4)
-    place, middle = robot.tip(q)[:3, 3], robot.backbone(q)[2 * len(robot.backbone(q)) // 4]
-    scene = [Sphere(np.add(middle, [0.0, 0.3, 0.0]), 0.2)]
-    problem = kernel_problem(robot, Target(np.add(place, [0.0, 0.05, 0.0])), scene)
-    clearances = []
-    for wish in (0.0, 0.15):
-        states, work = make_workspace(problem)
-        put(states, 0, q)
-        at, verdict, _, clearance, _, _ = newton.descend(problem, states, 0, work, 60, wish, False)
-        assert verdict == CLEAR
-        assert robot.excess(states.q[at]) <= 1e-11
-        clearances.append(clearance)
-    assert clearances[0] < 0.06
-    assert clearances[1] > 0.12
 
 
 @settings(max_examples=30)
@@ -207,16 +172,3 @@ def test_a_start_without_numbers_is_no_solution(number: float) -> None:
         assert verdict == MISSED
         assert np.isfinite(states.q[at]).all()
         assert not WIDE.violations(states.q[at])
-
-
-@given(st.integers(0, 10**6))
-def test_a_change_of_base_changes_nothing(seed: int) -> None:
-    """Robot and targets are moved together: the descent is the same, to rounding."""
-    q, goal = shape(WIDE, seed), shape(WIDE, seed + 1, 0.2)
-    moved = random_pose(np.random.default_rng(seed), 3.0)
-    other = Robot(WIDE.segments, base=moved @ WIDE.base, tool=WIDE.tool)
-    first, norms, *said = descended(kernel_problem(WIDE, targets_at(WIDE, goal, seed)), q, 4)
-    second, others, *same = descended(kernel_problem(other, targets_at(other, goal, seed)), q, 4)
-    assert said == same
-    np.testing.assert_allclose(second, first, atol=1e-7)
-    np.testing.assert_allclose(others[:3], norms[:3], atol=1e-7)

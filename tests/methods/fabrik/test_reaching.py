@@ -36,28 +36,10 @@ def test_fixed_lengths() -> None:
     assert np.abs(solution.q[:, :2] - start[:, :2]).max() > 1e-3
 
 
-def test_tools() -> None:
-    for tool in (sn.pose((0, 0, 20)), sn.pose((5, 0, 20)), sn.pose((3, 4, 20), direction=(0.3, 0, 1))):
-        robot = sn.Robot(laws.ARM.segments, tool=tool)
-        solver = sn.Solver(robot, method="fabrikc")
-        assert laws.solved_and_verified(solver, laws.tip_targets(robot, 20)) == 20
-        assert laws.solved_and_verified(solver, laws.tip_targets(robot, 20, kind="position")) == 20
-
-
-def test_a_batch_is_a_loop() -> None:
-    laws.many_are_as_one(sn.Solver(laws.ARM, method="fabrikc"), laws.tip_targets(laws.ARM, 20, 2.4))
-
-
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits("fabrikc", laws.LIMITED)
     laws.begins_from_an_initial_configuration("fabrikc")
     laws.does_not_pretend("fabrikc")
-
-
-def test_more_segments() -> None:
-    robot = sn.Robot.uniform(40, (5, 7), 1.0)
-    solver = sn.Solver(robot, method="fabrikc")
-    assert laws.solved_and_verified(solver, laws.tip_targets(robot, 20, 0.5)) == 20
 
 
 def test_what_it_cannot_mean_is_refused() -> None:
@@ -94,17 +76,7 @@ def test_sections_of_variable_curvature(taper: float) -> None:
         np.testing.assert_allclose(found[:, 0] * share[1], found[:, 1] * share[0], atol=1e-12)
 
 
-def test_a_batch_is_a_loop_of_fabrikx() -> None:
-    laws.many_are_as_one(sn.Solver(TAPERED, method=Fabrikx(pieces=3)), laws.tip_targets(TAPERED, 20, 0.6))
-
-
 def test_limits_and_starts_and_obstacles_of_fabrikx() -> None:
     laws.keeps_its_limits(Fabrikx(pieces=2), laws.LIMITED)
     laws.begins_from_an_initial_configuration("fabrikx")
     laws.does_not_pretend("fabrikx")
-
-
-def test_what_it_cannot_mean_is_refused_of_fabrikx() -> None:
-    refused("pieces", lambda: Fabrikx(pieces=0))
-    refused("taper", lambda: Fabrikx(taper=1.0))
-    refused("taper", lambda: Fabrikx(taper=-1.0))

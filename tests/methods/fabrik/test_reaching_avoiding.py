@@ -4,8 +4,6 @@ import numpy as np
 
 import sinuous as sn
 from sinuous.base.arguments import MethodName
-from sinuous.methods.fabrik.reaching import FabrikAvoid
-from tests.helpers import refused
 from tests.methods import laws
 
 ARM = sn.Robot.uniform(5, (45, 70), 2.0, radius=4, mount=10)
@@ -43,18 +41,7 @@ def test_it_steps_aside_where_fabrikc_runs_into_obstacles() -> None:
     assert solved["fabrik_avoid"] > solved["fabrikc"] + 5
 
 
-def test_a_batch_is_a_loop() -> None:
-    solver = sn.Solver(ARM, scenes()[0], method="fabrik_avoid", max_starts=3)
-    laws.many_are_as_one(solver, laws.tip_targets(ARM, 10))
-
-
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits("fabrik_avoid", laws.LIMITED)
     laws.begins_from_an_initial_configuration("fabrik_avoid")
     laws.does_not_pretend("fabrik_avoid")
-
-
-def test_what_it_cannot_mean_is_refused() -> None:
-    refused("looks", lambda: FabrikAvoid(looks=0))
-    refused("push", lambda: FabrikAvoid(push=0.0))
-    refused("margin", lambda: FabrikAvoid(margin=-1.0))

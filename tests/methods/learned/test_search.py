@@ -49,14 +49,6 @@ def test_the_same_seed_gives_the_same_network_and_another_one_another() -> None:
     assert repr(own[0]) == repr(own[1]) != repr(own[2])
 
 
-def test_shapes_are_starts_of_others() -> None:
-    targets = laws.tip_targets(laws.ARM, 30)
-    solver = sn.Solver(laws.ARM)
-    found = solver.solve_many(targets, initial=network().shapes(targets))
-    assert found.solved.all()
-    assert found.iterations.mean() < solver.solve_many(targets).iterations.mean()
-
-
 def test_an_initial_configuration_comes_first_and_limits_are_kept() -> None:
     q = laws.shapes(laws.ARM, 1, 1.0, 0)[0]
     found = sn.Solver(laws.ARM, method=Learned(network())).solve(laws.ARM.tip(q), initial=q)
@@ -76,12 +68,6 @@ def test_the_file_brings_it_back_and_others_are_refused(tmp_path: Path) -> None:
     file.write_bytes(b"PK\3\4 nothing")
     refused("network", partial(sn.methods.Network.load, file), "damaged")
     refused("network", partial(sn.methods.Network.load, tmp_path / "none.npz"), "cannot be read")
-
-
-def test_what_it_does_not_handle_is_refused_before_it_is_trained(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(learned, "train", lambda *_: pytest.fail("trained"))
-    robot = sn.Robot.uniform(2, (0.8, 1.2))
-    refused("prefer", lambda: sn.Solver(robot, method="learned", prefer=sn.Preferences(bends=1.0)), "learned")
 
 
 def test_what_is_no_network_is_refused() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_configurations
+from benchmarks.problems import PAPER_POSES, arm
 from sinuous import methods
 from sinuous.methods.opti_path.gradient import PotentialKind
 from tests.helpers import refused
@@ -53,21 +53,6 @@ def test_the_faithful_mode_solves_them_and_the_literal_exponent_does_not(target:
         literal = run(exponent="literal", metric=metric, orientation="norm", largest_step=0.0)
         assert not literal.solved
         assert literal.worst is not None
-
-
-def test_random_reachable_poses() -> None:
-    rng = np.random.default_rng(11)
-    for limit in (np.pi, 1.2):  # hardly any limit, and that of the shapes which the poses come from
-        solver = sn.Solver(arm(5, limit), tolerance=EXACT, method="opti_path", max_starts=1)
-        targets = direction_targets(arm(5, 1.2), random_configurations(arm(5, 1.2), 100, rng))
-        assert sum(s.solved and s.verify().ok for s in map(solver.solve, targets)) >= 97
-
-
-def test_both_gradients_take_the_same_way() -> None:
-    for target in poses():
-        one, other = (solve_from_the_arc(target, gradient=g) for g in ("adjoint", "differences"))
-        assert one.iterations == other.iterations
-        np.testing.assert_allclose(one.q, other.q, atol=1e-3)
 
 
 def test_a_goal_straight_ahead_needs_a_bow() -> None:
@@ -161,42 +146,6 @@ def test_obstacles_are_kept_away_from_by_the_body_between_its_points() -> None:
     assert blind.status is sn.Status.BLOCKED
     assert blind.worst is not None
     assert blind.worst.constraint == "clearance"
-
-
-def test_restarts_go_on_where_the_first_start_fails() -> None:
-    rng = np.random.default_rng(5)
-    robot = arm(5, 2.4)
-    targets = direction_targets(robot, random_configurations(robot, 60, rng))
-    alone = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath(iterations=10), max_starts=1)
-    going_on = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath(iterations=10), time=5.0, max_starts=100)
-    once = [alone.solve(target) for target in targets]
-    more = [going_on.solve(target) for target in targets]
-    assert sum(s.solved for s in more) > sum(s.solved for s in once) + 5
-    assert {s.start for s in more} >= {"arc", "random"}
-    stopped = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath(iterations=0, restarts=False)).solve(targets[0])
-    assert (stopped.starts, stopped.iterations) == (2, 0)
-
-
-def test_several_solutions() -> None:
-    def all_of(method: methods.OptiPath) -> list[sn.Solution]:
-        solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=method, time=60.0, max_starts=30)
-        return solver.solve_all(poses()[0], count=3)
-
-    found = all_of(methods.OptiPath())
-    assert len(found) == 3
-    assert all(solution.verify().ok for solution in found)
-    assert len(all_of(methods.OptiPath.faithful())) == 1
-
-
-def test_a_solved_path_settles_away_from_obstacles() -> None:
-    robot, path, scene = tracking_scene(3, 70)
-    clear = []
-    for settle in (0, 5):
-        solver = sn.Solver(robot, scene, method=methods.OptiPath(settle=settle))
-        found = [solver.solve(target) for target in path[::20]]
-        assert all(solution.solved and solution.verify().ok for solution in found)
-        clear.append([solution.clearance or 0.0 for solution in found])
-    assert np.median(clear[1]) > np.median(clear[0])
 
 
 def test_a_grid_that_is_too_fine_is_refused() -> None:

@@ -33,25 +33,3 @@ def test_a_step_is_minus_the_inverse_metric_times_the_gradient(metric: str) -> N
     np.testing.assert_allclose((path.points - before)[1:-1], wanted, atol=1e-12)
     np.testing.assert_array_equal(path.points[[0, -1]], before[[0, -1]])
     assert far == pytest.approx(np.linalg.norm(wanted, axis=-1).max())
-
-
-def test_schedules() -> None:
-    chosen = {"length_weight": 2.0, "orientation_weight": 3.0, "obstacle_weight": 5.0, "bend_weight": 7.0}
-
-    def weights(schedule: str, iteration: int, long: bool = True, turned: bool = True) -> tuple[float, ...]:
-        given = setting(schedule=schedule, cooling=0.5, **chosen)
-        return tuple(search.scheduled(given, iteration, long, turned))
-
-    full = (2.0, 3.0, 5.0, 7.0)
-    assert weights("constant", 0) == weights("constant", 99) == full
-    assert weights("cooling", 0) == pytest.approx(full)
-    assert weights("cooling", 99) == pytest.approx([0.1 * x for x in full])
-    assert weights("length", 0) == pytest.approx((0.2, 3.0, 5.0, 7.0))
-    assert weights("length", 99) == pytest.approx((2.0, 0.3, 5.0, 7.0))
-    assert weights("orientation", 0) == pytest.approx((2.0, 0.3, 5.0, 7.0))
-    assert weights("orientation", 99) == pytest.approx((0.2, 3.0, 5.0, 7.0))
-    assert weights("gated", 3, False, True) == (0.0, 3.0, 5.0, 7.0)
-    assert weights("gated", 3, True, False) == (2.0, 0.0, 5.0, 7.0)
-    middle = weights("length", 1)
-    assert middle[0] == pytest.approx(2.0 * 0.55)
-    assert middle[1] == pytest.approx(3.0 * 0.55)

@@ -78,12 +78,6 @@ def test_sliding_back_is_the_least_that_the_ends_are_off() -> None:
     assert min(off(back + size * each) for each in bends for size in (1e-5, 1e-4)) > 0.99 * off(back)
 
 
-def test_sliding_back_keeps_limits() -> None:
-    bent = np.array([[2.4, 0.0, 1.0]] * 5)
-    for by in (0.1, 1.0):
-        assert ROBOT.excess(slid_back(ROBOT, bent, by, np.ones(5), np.ones((5, 3)))) < 1e-12
-
-
 @pytest.mark.parametrize(
     ("start", "goal", "walls"),
     [(OUTSIDE, INSIDE, bore()), (INSIDE, OUTSIDE, bore()), (OTHER, INSIDE, [*bore(), *bore(OTHER)])],
@@ -99,7 +93,3 @@ def test_paths_are_found_that_trees_alone_do_not_find(start: Floats, goal: Float
     motion = sn.plan(ROBOT, start, goal, scene, time=60.0)
     assert motion.solved
     assert wrong_in(ROBOT, scene, motion.q) == ""
-
-
-def test_without_time_there_is_no_path() -> None:
-    assert list(islice(paths(query(Scene(bore()), seconds=0.0)), 4)) == [None] * 4

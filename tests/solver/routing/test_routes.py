@@ -9,14 +9,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.places import make
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
 from sinuous.scene.mesh import Mesh
 from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
-from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches, SearchPlan
+from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches
 from sinuous.solver.strategy import attempts_of, plans_of
 from tests.helpers import Floats
 from tests.scene.shapes import cube
@@ -126,13 +125,6 @@ def test_a_body_gets_through_a_door_behind_its_base() -> None:
     assert solution.verify().ok
 
 
-def test_intermediate_targets_are_gone_through_one_after_the_other(narrow: Scene) -> None:
-    place = ROBOT.backbone(HIDDEN, 1)[3]
-    targets = [Target(place, segment=3), Target(ROBOT.tip(HIDDEN)[:3, 3])]
-    solution = Solver(ROBOT, narrow, time=60.0, max_starts=60).solve(targets)
-    assert (solution.status, solution.start) == (Status.SOLVED, "route")
-
-
 def box_room(center: Floats, half: float, wall: float, door: float = 0.0) -> Scene:
     """Six walls; the one towards the base has a door."""
     walls: list[Box] = []
@@ -172,14 +164,6 @@ def test_a_room_with_a_door_is_not() -> None:
     assert solution.status is Status.SOLVED
 
 
-def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
-    robot = Robot([Segment((0.0, 3.0), 0.0, radius=0.1), *[Segment(1.0, 2.4, radius=0.1)] * 3], mount=2.0)
-    scene = box_room(np.array([0.0, 0.0, 3.5]), 1.8, 0.1)
-    q = np.array([[0, 0, 1.9], [1.2, 0.3, 1.0], [-0.3, 1.0, 1.0], [0.2, -0.5, 1.0]])
-    solution = Solver(robot, scene, time=60.0).solve(Target(robot.tip(q)[:3, 3]))
-    assert solution.status is not Status.NO_ROUTE
-
-
 def test_a_base_in_a_closed_room_is_said_to_be() -> None:
     scene = box_room(np.array([0.0, 0.0, 0.3]), 0.6, 0.1)
     solution = Solver(ROBOT, scene, time=60.0).solve(Target((1.0, 0.5, 3.0)))
@@ -187,39 +171,9 @@ def test_a_base_in_a_closed_room_is_said_to_be() -> None:
     assert solution.route is None
 
 
-@pytest.fixture
-def without_routes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fail where a route is searched for, once a `Solver` is made."""
-    find = Searches.find
-
-    def only_loading(self: Searches, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
-        assert seconds == 0.0, "searched for a route"
-        return find(self, problem, query, plan, seconds)
-
-    monkeypatch.setattr(Searches, "find", only_loading)
-
-
-@pytest.mark.usefixtures("without_routes")
-def test_what_is_decided_needs_no_route(narrow: Scene, target: Target) -> None:
-    ball = [Sphere((0, 0, 2.2), 0.7)]
-    assert Solver(ROBOT, ball).solve(Target((0, 0, 50))).status is Status.OUT_OF_REACH
-    assert Solver(ROBOT, ball).solve(Target((0, 0, 2.2))).status is Status.TARGET_BLOCKED
-    assert Solver(ROBOT, narrow, max_starts=1).solve(target).starts == 1
-
-
 def test_all_solutions_come_from_no_more_starts_than_allowed(narrow: Scene, target: Target) -> None:
     solver = Solver(ROBOT, narrow, time=60.0, max_starts=2)
     assert solver.solve_all(target) == []
-
-
-@pytest.mark.parametrize("family", ["cells", "bore"])
-@pytest.mark.parametrize("without", [slice(None), slice(1), slice(-1, None), slice(0, None, 2)])
-def test_segments_of_no_thickness_find_routes(family: str, without: slice) -> None:
-    there = make(family, 0)
-    segments = list(there.robot.segments)
-    segments[without] = [segment.changed(radius=0.0) for segment in segments[without]]
-    solver = Solver(there.robot.changed(segments=segments), there.scene, tolerance=there.tolerance, time=10.0)
-    assert solver.solve(there.targets).verify().ok
 
 
 @pytest.mark.parametrize("tip", [0.0, 1e-5])

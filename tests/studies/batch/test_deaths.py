@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -90,15 +89,6 @@ def test_killed(folder: Path, expected: bytes) -> None:
     with subprocess.Popen(command, cwd=folder, text=True, stderr=subprocess.DEVNULL) as process:
         until(process, lambda: len(parts(folder)) >= 5)
         process.kill()
-    finish(folder, expected)
-
-
-def test_interrupted(folder: Path, expected: bytes) -> None:
-    process = Command(typed(), folder)
-    until(process, lambda: len(parts(folder)) >= 5)
-    process.send(signal.SIGINT)
-    one_line(process, "interrupted", "kept")
-    assert process.code == 130
     finish(folder, expected)
 
 

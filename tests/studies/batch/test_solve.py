@@ -20,11 +20,6 @@ def solve(targets: Any, out: Path | None = None, **options: Any) -> Batch:
     return sn.studies.solve_batch(ROBOT, targets, [BALL], out, **OPTIONS, **options)
 
 
-def results(file: Path) -> dict[str, Any]:
-    with np.load(file) as data:
-        return {name: data[name] for name in data.files}
-
-
 @pytest.mark.parametrize("workers", [1, 3])
 @pytest.mark.parametrize("chunk", [7, 50, 1000])
 def test_it_is_a_loop_to_the_last_bit(workers: int, chunk: int) -> None:
@@ -172,15 +167,3 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
 def test_wrong_options_are_refused(options: dict[str, Any], key: str) -> None:
     with pytest.raises(sn.InputError, match=rf"^{key}"):
         sn.studies.solve_batch(ROBOT, points(5), **options)
-
-
-def test_the_folder_must_be_writable(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("", encoding="utf-8")
-    with pytest.raises(sn.InputError, match=r"^out: .*cannot be written"):
-        solve(points(5), tmp_path / "file" / "out.csv")
-
-
-def test_no_rows_are_a_batch_too(tmp_path: Path) -> None:
-    batch = solve(np.empty((0, 3)), tmp_path / "out.csv")
-    assert (batch.rows, batch.counts, batch.solved) == (0, {}, True)
-    assert (tmp_path / "out.csv").read_text(encoding="utf-8").count("\n") == 1

@@ -116,28 +116,6 @@ def test_a_payload_is_found_under_gravity(frame: Any) -> None:
     assert own.value == pytest.approx(0.01)
 
 
-def test_other_parameters_are_found_under_gravity() -> None:
-    soft = elastic(HANGING)
-    groups = tuple(group(soft, name) for name in ("stiffness", "payload", "offsets"))
-    real = changed(soft, Values(groups, np.array([0.2, -0.15, 0.02, 0.3, -0.2, 0.1, 0.2, -0.3, 0.1])))
-    values = settings(HANGING, 24)
-    names: list[str] = [each.name for each in groups]
-    found = sn.studies.calibrate(soft, values, tips_at_rest(real, values), fit=names, frame="device")
-    assert found.fitted.worst < 1e-6
-    assert [each.payload[0].mass for each in (found.robot, real)] == pytest.approx([0.03, 0.03])
-    one, other = ([each.stiffness.bend for each in robot.segments if each.stiffness] for robot in (found.robot, real))
-    np.testing.assert_allclose(one, other, rtol=1e-6)
-
-
-def test_a_payload_that_is_not_there_is_found_to_weigh_nothing() -> None:
-    """Its mass would become negative: the robot was measured without gravity."""
-    values = settings(HANGING, 12)
-    free = HANGING.changed(gravity=None, payload=None)
-    tips = free.tip(free.from_actuators(values, tolerance=1e300))[:, :3, 3]
-    found = sn.studies.calibrate(HANGING, values, tips, fit=["payload"], frame="device")
-    assert found.robot.payload[0].mass == 0.0
-
-
 def test_a_pose_turns_a_robot_under_gravity() -> None:
     values = settings(HANGING, 6)
     rows = read(HANGING, values, tips_at_rest(HANGING, values) + 1.0, None, None, None, 1.0)
@@ -372,23 +350,6 @@ def test_what_rows_do_not_determine_is_named() -> None:
     few = sn.studies.calibrate(real, values[:5], measured(real, values[:5]), fit=["offsets"])
     assert any("too few rows to fit offsets: offset of s1.t1" in note for note in few.notes)
     assert few.groups == ("base",)
-
-
-def test_suggested_settings_determine_more_than_random_ones() -> None:
-    suggested = sn.studies.suggest(DRAWN, 12)
-    assert suggested.shape == (12, 6)
-    assert np.array_equal(suggested, sn.studies.suggest(DRAWN, 12))
-    real = real_robot()
-
-    def spread(values: Floats) -> float:
-        rows = read(DRAWN, values, measured(real, values, 0.1), None, None, None, 1.0)
-        soft = elastic(DRAWN)
-        groups = tuple(group(soft, name) for name in ("stiffness", "offsets"))
-        slopes = derivatives(model(soft, Values(groups, np.zeros(8)), rows.places), values)[1].reshape(-1, 8)
-        return float(np.linalg.slogdet(slopes.T @ slopes + 1e-3 * np.eye(8))[1])
-
-    drawn = [spread(settings(elastic(DRAWN), 12, seed)) for seed in range(5)]
-    assert spread(suggested) > float(np.mean(drawn))
 
 
 def test_settings_are_suggested_that_hold_the_load() -> None:

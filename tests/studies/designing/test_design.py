@@ -14,11 +14,9 @@ from sinuous.answer.verification import verify
 from sinuous.base.checks import Floats
 from sinuous.cli.app import main
 from sinuous.model.segment import straight
-from sinuous.studies.designing import descent, find
+from sinuous.studies.designing import find
 from sinuous.studies.designing.design import Design
-from sinuous.studies.designing.judge import Judge
-from sinuous.studies.designing.search import RobotCandidates, RobotSearch, Space, front
-from sinuous.studies.tasks.tasks import read_tasks
+from sinuous.studies.designing.search import RobotCandidates, RobotSearch, Space
 from tests.helpers import refused
 
 TEMPLATE = sn.Robot.uniform(3, 100.0, max_bend=2.0, radius=2.0, tendons=sn.Tendons(3, 2.0))
@@ -89,32 +87,6 @@ def test_derivatives_lead_fields_and_answers_to_a_better_robot(
     assert least[0] < better * least[1]
 
 
-@pytest.mark.parametrize("length", [100.0, (60.0, 130.0)])
-def test_a_small_step_meets_all_targets_to_second_order(length: Any) -> None:
-    """Fields and answers move together, also where fields move lengths that nothing else does."""
-    template = sn.Robot.uniform(3, length, max_bend=2.0, radius=2.0)
-    varied = {"segments.max_bend": (1.0, 3.0), "radius": (1.0, 3.0), "base.position[2]": (-20.0, 20.0)}
-    if length == 100.0:
-        varied["segments.length"] = (80.0, 120.0)
-    space, scene = Space(template, varied), sn.Scene([BALL])
-    judge = Judge(space, read_tasks(TASKS), scene, ("clearance",), {"time": 5.0})
-    shares = np.full(len(varied), 0.5)
-    judged = judge.judge(space.robot((), shares))
-    assert judged.failed == -1
-    steps, change = descent._Steps(judge, (), shares, judged), 1e-3
-    step = steps.step(change, 0)
-    assert step is not None
-    assert np.abs(step.shares - shares).max() == pytest.approx(change)
-    robot = space.robot((), step.shares)
-    assert robot is not None
-    for target, before, q in zip(TASKS.values(), judged.answers, step.answers, strict=True):
-        assert target.position is not None
-        moved, left = (float(np.linalg.norm(robot.tip(each)[:3, 3] - target.position)) for each in (before, q))
-        assert left < max(20.0 * change * moved, 1e-3)
-    after = judge.judge(robot, begin=step.answers)
-    assert after.objectives[0] < judged.objectives[0]
-
-
 def test_any_engine_and_any_interruption_leave_it_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
     whole, out = run().to_dict()["front"], tmp_path / "front.csv"
@@ -171,19 +143,6 @@ def test_what_no_robot_can_do_is_said_with_the_task_and_the_reason() -> None:
     assert found.cut[0].task == "high"
 
 
-def test_where_none_does_all_tasks_it_is_said() -> None:
-    walls = [sn.Box((-50.0, 0.0, 150.0), (10.0, 500.0, 500.0))]
-    varied = {"segments.max_bend": (1.0, 2.0)}
-    found = sn.studies.design(
-        TEMPLATE, TASKS, walls, vary=varied, minimise="length", robots=16, max_starts=2, routes=False
-    )
-    assert not found.solved
-    assert found.best is None
-    assert found.most_done < 3
-    refused("design", lambda: found.robot, "found no robot")
-    assert "no robot does all tasks" in str(found)
-
-
 def test_fields_are_ranges_lists_and_elements() -> None:
     space = Space(TEMPLATE, {"base.position[2]": (-10.0, 10.0), "segments[1].length": {"values": [80.0, 90.0]}})
     robot = space.robot((90.0,), np.array([0.75]))
@@ -216,11 +175,6 @@ def test_bad_input_is_refused(changes: dict[str, Any], told: str) -> None:
     given: dict[str, Any] = {"template": TEMPLATE, "tasks": TASKS, "vary": VARY, "minimise": "length", **changes}
     with pytest.raises(sn.InputError, match=told):
         sn.studies.design(**given)
-
-
-def test_the_front_leaves_out_what_something_is_better_than() -> None:
-    objectives = np.array([[2.0, 1.0], [1.0, 2.0], [2.0, 2.0], [np.inf, 0.0], [1.0, 2.0]])
-    np.testing.assert_array_equal(front(objectives), [1, 0])
 
 
 def test_generations_stay_within_the_ranges() -> None:

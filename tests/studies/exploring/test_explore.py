@@ -87,13 +87,6 @@ def test_a_changed_scene_keeps_what_is_still_clear(two: sn.studies.Exploration) 
         assert not wrong_in(ROBOT, Scene(more), memory.q[pair])
 
 
-def test_a_full_memory_ends_it() -> None:
-    found = explored(50, sn.Memory(ROBOT, megabytes=0.05))
-    assert found.full
-    assert "the memory is full" in str(found)
-    assert found.rounds < 50
-
-
 def test_a_plan_that_is_searched_for_is_remembered() -> None:
     memory = sn.Memory(ROBOT)
     start, goal = (sn.solve(ROBOT, sn.Target(place), SCENE).q for place in ((1.2, -0.4, 1.0), (-0.2, 1.3, 0.9)))

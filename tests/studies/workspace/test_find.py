@@ -38,20 +38,6 @@ def test_what_is_solved_can_be_solved(found: sn.studies.Reach) -> None:
     assert all(solution.verify().ok for solution in many[many.solved][:20])
 
 
-def test_random_shapes_refute_no_proof() -> None:
-    """What a map takes for proved comes from these calls: none may say so of the tip of a shape that is clear."""
-    rng = np.random.default_rng(2)
-    bends = rng.uniform(-1.1, 1.1, (80, 2, 2))
-    q = np.concatenate([bends, rng.uniform(40, 60, (80, 2, 1))], axis=-1)
-    tips = ROBOT.tip(q[sn.check(ROBOT, q, WALL).ok])
-    assert len(tips) > 30
-    for directions in (tips[:, :3, 2], None):
-        solver = sn.Solver(ROBOT, WALL, max_starts=1, routes=False)
-        many = solver.solve_many(positions=tips[:, :3, 3], directions=directions)
-        proved = {sn.Status.OUT_OF_REACH, sn.Status.TARGET_BLOCKED, sn.Status.BASE_BLOCKED}
-        assert not proved & set(many.status.tolist())
-
-
 def test_positions_are_the_default_and_can_be_solved(positions: sn.studies.Reach) -> None:
     default = sn.studies.reach(ROBOT, WALL, SPACING)
     np.testing.assert_array_equal(default.positions, positions.positions)
@@ -128,13 +114,6 @@ def test_neighbours_find_what_the_arc_does_not() -> None:
     gained = (found.verdicts == Verdict.SOLVED) & (without.verdicts != Verdict.SOLVED)
     assert not ((without.verdicts == Verdict.SOLVED) & (found.verdicts != Verdict.SOLVED)).any()
     assert gained.any()
-
-
-def test_a_base_that_is_blocked_is_said_of_all() -> None:
-    blocked = sn.studies.reach(ROBOT, [sn.Sphere((0, 0, 0), radius=10)], 60.0, 6)
-    told = set(np.unique(blocked.verdicts[blocked.free == Verdict.SOLVED]).tolist())
-    assert told <= {int(Verdict.BASE_BLOCKED), int(Verdict.TARGET_BLOCKED)}
-    assert blocked.volume().found == 0.0
 
 
 def test_wherever_it_ends_the_same_call_goes_on(

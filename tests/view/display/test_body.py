@@ -5,8 +5,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from sinuous.view.display.contents import gather
-from sinuous.view.display.style import ARMS
 from sinuous.view.display.surfaces import BodySurface, ColouredPart, as_triangles
 from sinuous.view.pictures.paint import normals_of
 from tests.helpers import random_pose
@@ -103,12 +101,3 @@ def test_links_are_drawn_as_their_capsules(pieces: int) -> None:
             share = np.clip((own[i] - a) @ (b - a) / max((b - a) @ (b - a), 1e-300), 0.0, 1.0)
             away = np.linalg.norm(own[i] - a - share[:, None] * (b - a), axis=1)
             np.testing.assert_allclose(away, radius, atol=1e-9)
-
-
-def test_colours_of_joints_and_links_are_not_those_of_segments() -> None:
-    joints = [sn.Revolute(body=[((0, 0, 0), (0, 0, 1), 0.1)]), sn.Prismatic((1, 0, 0), (0, 1))]
-    robot = sn.Robot([sn.Segment(1.0), sn.Segment(1.0)], joints=joints)
-    colours = gather([robot]).arms[0].colours
-    by_name = dict(zip(robot.row_names, colours, strict=True))
-    assert (by_name["s1"], by_name["s2"]) == ARMS[0]
-    assert len({by_name["j1"], by_name["j1.body1"], *ARMS[0]}) == 4

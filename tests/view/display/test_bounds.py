@@ -82,20 +82,3 @@ def test_lines_of_sight_meet_what_is_on_them(obstacle: Obstacle) -> None:
     expected = [[meets(obstacle, point, eye) for point in points] for eye in eyes]
     assert 0 < found.sum() < found.size
     assert (found == expected).mean() > 0.95  # lines that graze an edge
-
-
-@pytest.mark.parametrize(
-    "obstacle",
-    [
-        sn.Capsule((0, 0, -1), (0.5, 0, 1), 0.2),
-        sn.Cylinder((0, 0, -1), (0.5, 0, 1), 0.2),
-        sn.PointCloud([[0, 0, 0]], 0.3),
-    ],
-    ids=lambda obstacle: obstacle.kind,
-)
-def test_the_box_around_others_hides_no_less(obstacle: Obstacle) -> None:
-    points, eyes = RNG.uniform(-1, 1, (12, 3)), RNG.uniform(-2, 2, (6, 3))
-    found = find_hidden([obstacle], points, eyes)[0]
-    for e, eye in enumerate(eyes):
-        for p, point in enumerate(points):
-            assert found[e, p] or not meets(obstacle, point, eye)

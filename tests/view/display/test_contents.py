@@ -96,13 +96,6 @@ def test_arcs_have_the_colour_of_their_segment_and_a_robot_has_one_pair_of_colou
     assert not {*body} & {*last}
 
 
-def test_segments_end_on_the_body() -> None:
-    poses = HANGING.shape(Q).poses
-    contents = gather([HANGING, Q, sn.Target(direction=(1, 0, 0), segment=1), sn.Target(direction=(1, 0, 0))])
-    for placed, pose in zip(contents.targets, poses, strict=True):
-        np.testing.assert_allclose(placed.place, pose[:3, 3], atol=1e-9)
-
-
 def test_a_motion_is_of_the_loaded_body_with_its_ghosts(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib").use("agg")
     motion = sn.Motion(HANGING, [Q, Q + np.array([0.1, 0.0, 0.0])], [NEAR_BALL])

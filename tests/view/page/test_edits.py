@@ -72,14 +72,3 @@ def test_a_new_obstacle_is_of_its_kind_and_its_sizes_can_be_set(kind: str) -> No
         assert before is not None
         assert after is not None
         np.testing.assert_allclose(after, before, atol=1e-12)
-
-
-def test_what_cannot_be_meant_is_refused_in_one_line() -> None:
-    with pytest.raises(InputError, match="kind: expected one of sphere, box"):
-        make_obstacle("cow", np.zeros(3), 1.0)
-    with pytest.raises(InputError, match="radius"):
-        resize_obstacle(SOLIDS[0], radius=-1.0)
-    with pytest.raises(InputError, match="no size of its own"):
-        resize_obstacle(SOLIDS[4], radius=1.0)
-    with pytest.raises(InputError, match="cannot be moved"):
-        move_obstacle(sn.Field(lambda p: p[:, 2], (0, 0, 0), (1, 1, 1), 0.5), np.eye(4))

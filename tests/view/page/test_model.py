@@ -89,20 +89,6 @@ def test_solvers_see_obstacles_that_moved_came_and_went() -> None:
     assert answered().status == "solved"
 
 
-def test_deleting_and_adding_leave_the_names_of_others() -> None:
-    page = model(scene=[BALL, sn.Box((3, 0, 0), (1, 1, 1)), sn.Box((5, 0, 0), (1, 1, 1))])
-    page.grasp(0)
-    page.delete()
-    assert [page.scene.name(i) for i in range(2)] == ["box[1]", "box[2]"]
-    page.add("box")
-    assert len({page.scene.name(i) for i in range(3)}) == 3
-    assert page.grasped == 2
-    page.resize(size_x=0.25)
-    chosen = page.chosen
-    assert isinstance(chosen, sn.Box)
-    assert chosen.size[0] == 0.25
-
-
 def test_a_shape_that_is_bent_by_hand_stays_until_something_is_asked() -> None:
     page = model()
     page.bend(1, 0.5, -0.25, 0.9)
@@ -274,18 +260,6 @@ def test_rates_change_the_times_of_a_motion_and_not_its_way() -> None:
         page.set_rates(-slow, none)
 
 
-def test_limits_change_for_one_segment_or_all() -> None:
-    page = model()
-    page.limit(1, max_bend=1.5)
-    assert [segment.max_bend for segment in page.robot.segments] == [2, 1.5, 2]
-    page.limit(None, radius=0.07, length=(0.5, 1.0))
-    assert page.robot.radii == (0.07, 0.07, 0.07)
-    before = page.job
-    with pytest.raises(InputError, match=r"segments\[0\].length"):
-        page.limit(None, length=(2, 1))
-    assert page.job is before
-
-
 def test_a_motion_is_played_and_ends_with_the_next_change() -> None:
     path = [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2)), sn.Target((1, 0.2, 2))]
     page = model(target=None, path=path)
@@ -349,19 +323,6 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     assert again is not None
     np.testing.assert_array_equal(again.initial, solution.q)
     assert not page.accept_beside(second.number, solution)
-
-
-def test_what_is_bent_by_hand_stays_while_obstacles_move() -> None:
-    page = moving()
-    page.bend(0, 0.1, 0.2, 0.9)
-    before = page.q.copy()
-    page.play(2.0)
-    assert page.by_hand
-    np.testing.assert_array_equal(page.q, before)
-    with pytest.raises(InputError, match="time"):
-        page.play(3.1)
-    with pytest.raises(InputError, match="nothing moves"):
-        model().play(0.0)
 
 
 def test_motions_begin_in_the_shape_and_at_the_time_on_the_page(tmp_path: Path) -> None:

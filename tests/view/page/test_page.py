@@ -233,19 +233,6 @@ def test_a_target_out_of_reach_stays_in_view_and_one_figure_says_how_far(page: P
     details.wait_for()
 
 
-def test_a_slider_bends_a_segment(page: Page, fresh: Any) -> None:
-    fresh.get_by_role("tab", name="Shape").click()
-    slider = fresh.get_by_role("slider").first
-    slider.focus()
-    before = float(page.model.q[0, 0])
-    for _ in range(20):
-        fresh.keyboard.press("ArrowRight")
-    until(lambda: page.model.by_hand and page.model.q[0, 0] > before + 0.05, "a bend")
-    until(lambda: fresh.locator(".badge").first.inner_text() == "bent by hand", "what is said of it")
-    fresh.get_by_role("button", name="Solve from here").click()
-    until(lambda: page.model.answer is not None and not page.model.by_hand, "an answer")
-
-
 STEP = 1e-3
 """Less than a press of a key moves the slider of a tendon, mm."""
 
@@ -384,26 +371,6 @@ def test_what_is_saved_is_what_is_on_the_page_and_can_be_loaded(page: Page, fres
     assert page.model.job.equals(job)
 
 
-def test_what_is_no_problem_changes_nothing_and_shows_one_line(page: Page, fresh: Any, tmp_path: Path) -> None:
-    before = page.model.job
-    wrong = tmp_path / "wrong.yaml"
-    wrong.write_text("robot: 3\n")
-    fresh.get_by_role("tab", name="File").click()
-    fresh.locator("input[type=file]").set_input_files(wrong)
-    line = fresh.locator(".notice")
-    line.wait_for()
-    assert "wrong.yaml: robot" in line.inner_text()
-    assert page.model.job is before
-
-
-def test_a_path_is_followed_and_played(page: Page, fresh: Any) -> None:
-    load(page, fresh, PATH)
-    fresh.get_by_role("tab", name="Motion").click()
-    fresh.get_by_role("button", name="Follow the path").click()
-    until(lambda: played(page), "the motion played to its end")
-    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (1, 0.2, 2), atol=1e-3)
-
-
 def played(page: Page) -> bool:
     """Whether there is a motion, which was played to its end: between the two it does not play yet."""
     motion = page.model.motion
@@ -465,29 +432,3 @@ def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> N
     assert motion.solved
     assert page.model.there.equals(page.model.scene.at(float(motion.times[-1])))
     fresh.locator(".badge", has_text="proved clear here").wait_for()
-
-
-def test_a_motion_that_was_found_before_is_played(browser: Any) -> None:
-    motion = GOAL.plan()
-    served = Page(GOAL, answer=motion)
-    try:
-        shown = opened(browser, f"http://127.0.0.1:{served.port}")
-        shown.locator(".badge", has_text="proved clear here").wait_for()
-        np.testing.assert_array_equal(served.model.shown, motion.q[0])
-        shown.get_by_role("tab", name="Motion").click()
-        shown.get_by_label("play").click()
-        until(lambda: np.allclose(served.model.shown, motion.q[-1]), "the motion played to its end")
-        assert shown.problems == []
-        shown.close()
-    finally:
-        served.stop()
-
-
-def test_two_browsers_show_the_same(page: Page, fresh: Any, browser: Any) -> None:
-    other = opened(browser, f"http://127.0.0.1:{page.port}")
-    until(lambda: len(page.server.get_clients()) == 2, "a second client")
-    page.do("move", lambda: page.model.place_target(0, np.array([0, 0, 9.0])))
-    for each in (fresh, other):
-        each.locator(".badge", has_text="out of reach").wait_for()
-    assert other.problems == []
-    other.close()

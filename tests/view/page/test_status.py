@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.view.page.status import find_nearest, judge_shape
+from sinuous.view.page.status import find_nearest
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 SCENE = sn.Scene([sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball"), sn.Box((-1, 0, 1), (0.5, 0.5, 0.5), name="crate")])
@@ -29,17 +29,3 @@ def test_there_is_no_nearest_place_without_obstacles_or_within_the_mount() -> No
     assert free is not None
     assert mounted is not None
     assert mounted.distance > free.distance
-
-
-def test_errors_and_violations_are_those_of_the_shape() -> None:
-    targets = (sn.Target((1, 0, 2), direction=(0, 0, 1)),)
-    solution = sn.solve(ROBOT, targets, SCENE)
-    judged = judge_shape(ROBOT, targets, solution.q)
-    assert judged.violations == ()
-    assert judged.position_error is not None
-    assert solution.position_error is not None
-    assert np.isclose(judged.position_error, solution.position_error, atol=1e-9)
-    beyond = np.array(solution.q)
-    beyond[1, 2] = 2.0
-    assert ("length", 2) in [violation[:2] for violation in judge_shape(ROBOT, targets, beyond).violations]
-    assert judge_shape(ROBOT, (sn.Target(direction=(0, 0, 1)),), solution.q).position_error is None

@@ -72,13 +72,6 @@ def test_actuators_bends_and_lengths(track: sn.Motion) -> None:
         np.testing.assert_allclose(np.stack([np.asarray(line.get_ydata()) for line in lines], axis=-1), expected)
 
 
-def test_overlap_is_shown_below_zero() -> None:
-    hit = sn.Robot.uniform(1, 3.0, radius=0.2)
-    failed = sn.solve(hit, sn.Target((0, 0, 3)), [sn.Sphere((0, 0, 1.5), 0.4)], time=0.05)
-    axes = diagram(failed, "clearance")
-    assert axes.get_ylim()[0] < -0.3
-
-
 def test_convergence_ends_within_the_tolerance() -> None:
     near = [[0.3, 0.2, 1.0]] * 3
     tip = ROBOT.tip(np.add(near, [0.2, -0.2, 0.05]))

@@ -10,7 +10,7 @@ import pytest
 import sinuous as sn
 from sinuous.view.display.style import ARMS, ROUTE, TARGET, UNSOLVED
 from tests.helpers import Floats, refused
-from tests.view.pictures.arms import BALL, PATH, ROBOT, SCENE, TARGETS
+from tests.view.pictures.arms import PATH, ROBOT, SCENE, TARGETS
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -56,21 +56,6 @@ def test_a_robot_is_where_it_is() -> None:
     assert (backbone > low).all()
     assert (backbone < high).all()
     np.testing.assert_allclose(ROBOT.backbone(q).max(axis=0), high, atol=0.6)
-
-
-def test_proportions_are_true_and_the_picture_is_filled() -> None:
-    axes = sn.plot(ROBOT, BALL)
-    sides = np.ptp([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()], axis=1)
-    aspect = axes.get_box_aspect() if hasattr(axes, "get_box_aspect") else axes._box_aspect
-    np.testing.assert_allclose(np.asarray(axes._box_aspect) / sides, (axes._box_aspect / sides)[0])
-    assert aspect is not None
-    image = pixels(axes)
-    inked = np.argwhere((image < 0.97).any(axis=-1))
-    height, width = image.shape[:2]
-    assert np.ptp(inked[:, 0]) > 0.9 * height or np.ptp(inked[:, 1]) > 0.9 * width
-    assert inked.min() > 2  # nothing is cut off
-    assert inked[:, 0].max() < height - 2
-    assert inked[:, 1].max() < width - 2
 
 
 def test_what_is_not_solved_has_another_colour() -> None:

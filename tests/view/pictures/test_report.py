@@ -3,7 +3,6 @@
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import sinuous as sn
@@ -48,10 +47,3 @@ def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
         write_picture(tmp_path / "no" / "shape.png", ROBOT)
     with pytest.raises(sn.InputError, match=r"expected a name that ends in \."):
         write_picture(tmp_path / "shape.exe", ROBOT)
-
-
-def test_pictures_are_the_same_each_time(tmp_path: Path) -> None:
-    for name in "ab":
-        write_picture(tmp_path / f"{name}.png", ROBOT, np.array([[0.5, 0.2, 1.0]] * 3))
-    a, b = (matplotlib.image.imread(tmp_path / f"{name}.png") for name in "ab")
-    np.testing.assert_array_equal(a, b)

@@ -71,13 +71,6 @@ def test_a_cell_that_is_no_number_makes_its_row_invalid(cell: str, tmp_path: Pat
     np.testing.assert_array_equal(goals.positions, [[1, 2, 3], [10, 11, 12]])
 
 
-def test_missing_values_of_parquet_make_their_rows_invalid(tmp_path: Path) -> None:
-    table = pyarrow.table({"x": [1.0, None, 3.0], "y": [1, 2, 3], "z": [0.0, 0.0, 0.0]})
-    parquet.write_table(table, tmp_path / "in.parquet")
-    with closing(open_source(tmp_path / "in.parquet")) as source:
-        assert valid(source.read(0, 3))[0].tolist() == [0, 2]
-
-
 def test_directions_of_no_length_and_matrices_that_are_no_rotations_are_invalid() -> None:
     directions = np.eye(3)[[0, 1, 2]] * [[1.0], [0.0], [5.0]]
     assert valid({"directions": directions})[0].tolist() == [0, 2]

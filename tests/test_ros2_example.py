@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import sinuous as sn
-
 PACKAGE = Path(__file__).parents[1] / "examples" / "ros2" / "sinuous_arm"
 JOB = str(PACKAGE / "config" / "arm.yaml")
 MESSAGES = {
@@ -122,36 +120,6 @@ def test_pieces_are_one_motion_within_its_rates() -> None:
         np.testing.assert_allclose(values[i + 1][0], there, atol=0.2)
     np.testing.assert_allclose(arm.robot.tip(arm.q)[:3, 3], (60, 20, 170), atol=0.1)
     assert arm.go((20, 60, 170)).solved
-
-
-@pytest.mark.usefixtures("package")
-def test_motors_say_where_the_next_plan_begins() -> None:
-    clock = Clock()
-    arm = planner(clock)
-    q = np.array([[0, 0, 30.0], [0.2, -0.1, 80], [0.1, 0.3, 80]])
-    values = dict(zip(arm.names, arm.robot.to_actuators(q), strict=True))
-    arm.measured(values | {"gripper": 1.0}, 5.0)
-    np.testing.assert_allclose(arm.q, q, atol=1e-9)
-    with pytest.raises(sn.InputError, match="off by"):
-        arm.measured(values | {"s2.t1": 2500.0}, 5.0)
-    with pytest.raises(sn.InputError, match="a value for each: feed"):
-        arm.measured({}, 5.0)
-    assert arm.go((60, 20, 170)).solved
-    with pytest.raises(sn.InputError, match="a target once it has ended"):
-        arm.go((20, 60, 170))
-    arm.measured(values, 5.0)
-    clock.time += 0.2
-    assert np.abs(arm.q - q).max() > 0.01
-
-
-@pytest.mark.usefixtures("package")
-def test_files_are_checked(tmp_path: Path) -> None:
-    text = Path(JOB).read_text(encoding="utf-8")
-    for start, wanted in (("start:", "where the robot is at first"), ("rates:", "how fast")):
-        kept = [line for line in text.splitlines() if not line.startswith(start)]
-        (tmp_path / "arm.yaml").write_text("\n".join(kept), encoding="utf-8")
-        with pytest.raises(sn.InputError, match=wanted):
-            import_module("sinuous_arm.planner").ArmPlanner(str(tmp_path / "arm.yaml"), Clock())
 
 
 def pose(place: tuple[float, ...], turn: tuple[float, ...] = (0, 0, 0, 0)) -> Any:

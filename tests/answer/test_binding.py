@@ -20,13 +20,6 @@ def named(solution: sn.Solution) -> list[tuple[str, int | str | None, str | None
     return [(each.constraint, each.segment, each.actuator or each.obstacle) for each in solution.binding]
 
 
-def test_too_far_is_held_by_all_lengths() -> None:
-    solution = sn.solve(ROBOT, sn.Target((0, 0, 3.5)))
-    assert sorted(named(solution)) == [("length", k, None) for k in (1, 2, 3)]
-    assert {each.key for each in solution.binding} == {"length[1]"}
-    assert all(each.value == pytest.approx(1.0) and each.limit == 1.0 for each in solution.binding)
-
-
 def test_a_direction_is_held_by_all_bends_alone() -> None:
     solution = sn.solve(ROBOT, sn.Target(direction=(0, 0, -1)))
     assert sorted(named(solution)) == [("bend", k, None) for k in (1, 2, 3)]

@@ -61,33 +61,6 @@ def test_the_number_is_the_one_that_proves_it(
     assert str(reason) in str(solution)
 
 
-@with_each(
-    ("target", "said"),
-    [
-        (
-            Target((0, 0, 3.5)),
-            "the target is 0.4997 farther from the base than the robot is long (3.5 away, the robot at most 3 long)",
-        ),
-        (
-            Target((0, 0, 1.0)),
-            "the target is 0.7558 nearer to the base than the tip can come (1 away, the tip at least 1.756)",
-        ),
-        (Target((2.5, 0, 0.5)), "the target lies 0.6412 farther to the side than the tip can reach"),
-        (
-            Target((0, 0, 2.5), direction=(0, 0, -1)),
-            "the target lies 4.093 behind everything that the tip can reach pointing this way",
-        ),
-        (
-            Target(direction=(0, 0, -1)),
-            "the direction asks for a turn of 3.142 rad, and all bends together make 1.501 at most: "
-            "1.641 rad too little",
-        ),
-    ],
-)
-def test_reasons_are_sentences(target: Target, said: str) -> None:
-    assert str(Solver(ROBOT).solve(target).reason) == said
-
-
 def test_obstacles_are_called_by_their_names() -> None:
     robot = Robot.uniform(3, length=(0.8, 1.2), max_bend=2.0, radius=0.1, base=pose((0, 0, 0.5)))
     tank = Sphere((0, 1.0, 2.5), 0.4, name="tank")

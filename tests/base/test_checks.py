@@ -40,23 +40,6 @@ def test_arrays_come_back_as_frozen_copies() -> None:
         result[0] = 5.0
 
 
-@with_each(
-    "value",
-    [
-        3.0,
-        None,
-        "abc",
-        [1.0, 2.0],
-        [[1.0, 2.0, 3.0]],
-        np.ones((2, 3, 5)),
-        [[1.0, 2.0, 3.0], [1.0]],
-        [[1, 2, math.nan]] * 5,
-    ],
-)
-def test_what_is_no_stack_is_refused(value: Any) -> None:
-    refused("key", lambda: checks.stack("key", value, (5, 3)), "5, 3)")
-
-
 @pytest.mark.parametrize("scale", [1.0, 1e-300, 5e-324, 1e300])
 def test_directions_of_any_length_become_unit_vectors(scale: float) -> None:
     result = checks.direction("key", np.array([0.0, 3.0, -4.0]) * scale if scale != 5e-324 else [0.0, scale, 0.0])

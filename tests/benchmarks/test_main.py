@@ -1,8 +1,5 @@
 """`python -m benchmarks NAME`: what may be typed."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -81,25 +78,3 @@ def test_what_cannot_be_meant_is_said_in_one_line(
     assert named in captured.err
     assert captured.err.count("\n") == 1
     assert not (tmp_path / "out").exists()
-
-
-def test_threads_are_set_before_numpy_looks() -> None:
-    code = """
-import os, sys
-from benchmarks.__main__ import main
-assert main(["--help"]) == 0
-assert "numpy" not in sys.modules
-
-class Noting:
-    def find_spec(self, name, *_):
-        if name == "numpy":
-            print("threads", os.environ["OMP_NUM_THREADS"])
-
-sys.meta_path.insert(0, Noting())
-sys.exit(main(["speed", "--seed", "-1"]))
-"""
-    environment = {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False)
-    assert done.returncode == 2, done.stderr
-    assert done.stdout.splitlines()[-1] == "threads 1"
-    assert all(name in done.stdout for name in KNOWN)

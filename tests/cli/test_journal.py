@@ -192,23 +192,6 @@ def test_what_is_kept_of_a_solution_is_all_of_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("command", "options", "told"),
-    [
-        ("solve", "--seed 3", "seed: "),
-        ("solve", "--all 3", "--all: "),
-        ("track", "--deviation 5", "--deviation: "),
-        ("plan", "--shortcuts 3", "--shortcuts: "),
-        ("plan", "--duration 9", "--duration: "),
-    ],
-)
-def test_other_options_are_refused(run: Run, command: str, options: str, told: str) -> None:
-    own = interrupted(run, command, 1)
-    (line,) = run(f"{own} --out {OUT} {options}", 2).err.splitlines()
-    assert told in line
-    assert "it has changed since this command began" in line
-
-
-@pytest.mark.parametrize(
     ("command", "job", "key"),
     [
         ("solve", sn.Job(ARM, sn.Target((1, 0, 2)), [BALL]), "scene"),

@@ -1,15 +1,12 @@
 """The command solve."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from sinuous.cli import work
-from sinuous.cli.work import AnswerWriter
 from sinuous.motion.job import read_problem
-from sinuous.solver.routing.searches import Searches
 from sinuous.solver.solver import Solver
 from tests.cli.conftest import Run
 
@@ -100,28 +97,6 @@ def test_distinct_solutions_are_results(run: Run) -> None:
     assert len(again) == 4
     assert (none["status"], none["solutions"]) == ("out_of_reach", [])
     assert none["reason"]["bound"] == "length"
-
-
-def test_what_several_files_need_is_compiled_before_the_first_is_answered(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The second has obstacles: the search for routes must not be compiled between two results."""
-    events: list[str] = []
-
-    def noted(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any, **named: Any) -> Any:
-            events.append(name)
-            return function(*arguments, **named)
-
-        return call
-
-    monkeypatch.setattr(Searches, "load", noted("load", Searches.load))
-    monkeypatch.setattr(AnswerWriter, "write", noted("write", AnswerWriter.write))
-    run("solve easy.yaml scene.yaml --json")
-    assert events == ["load", "write", "load", "write"]
-    events.clear()
-    run("solve scene.yaml --json")
-    assert events == ["write"]  # one alone compiles what it turns out to need
 
 
 def test_why_says_what_would_help(run: Run) -> None:

@@ -16,7 +16,6 @@ from sinuous.files.documents import parse_yaml
 from sinuous.motion.job import Job, job_of, read_problem
 from tests.helpers import random_pose, refused
 from tests.model import test_elastic as elastic
-from tests.model.test_actuation import MIXED
 from tests.model.test_actuators import DRIVEN
 from tests.model.test_laws import robots
 from tests.scene.shapes import cube, together
@@ -104,17 +103,6 @@ def test_robots_with_motors_elastic_tendons_and_payloads(tmp_path: Path, ending:
         robot.save(tmp_path / f"arm.{ending}")
         assert sn.load(tmp_path / f"arm.{ending}", sn.Robot).equals(robot)
     assert not DRIVEN.equals(DRIVEN.changed(segments=[s.changed(tendons=None) for s in DRIVEN.segments]))
-
-
-def test_a_robot_with_everything(tmp_path: Path) -> None:
-    MIXED.save(tmp_path / "arm.yaml")
-    found = sn.load(tmp_path / "arm.yaml")
-    assert isinstance(found, sn.Robot)
-    MIXED.actuator_jacobian(np.zeros((len(MIXED), 3)))  # kept, but nothing that one says of a robot
-    assert found.equals(MIXED)
-    assert found.actuators == MIXED.actuators
-    assert not found.equals(sn.Robot(MIXED.segments, name="arm"))
-    assert not found.equals(MIXED.segments[0])
 
 
 def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:

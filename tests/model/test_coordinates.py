@@ -39,19 +39,6 @@ def test_what_is_held_is_said_and_its_file_makes_an_equal_robot(robot: sn.Robot,
     assert max(robot.excess(each + np.array([0.3, -0.2, 0.4])) for each in q) > 0.05
 
 
-def test_two_wires_are_driven_in_their_plane_alone() -> None:
-    robot = sn.Robot(
-        [sn.Segment(1.0, tendons=sn.Tendons(3, 0.1)), sn.Segment(1.0, 2.0, tendons=sn.Tendons(2, 0.1, 0.6))]
-    )
-    along = np.array([math.cos(0.6), math.sin(0.6)])
-    q = np.array([[0.3, -0.4, 1.0], [*(0.8 * along), 1.0]])
-    np.testing.assert_allclose(robot.from_actuators(robot.to_actuators(q)), q, atol=1e-14)
-    assert robot.undetermined == ()
-    ((kind, segment, amount),) = robot.violations(np.array([[0.0, 0.0, 1.0], [*(0.5 * along[::-1] * [-1, 1]), 1.0]]))
-    assert (kind, segment) == ("bend", 2)
-    assert amount == pytest.approx(0.5)
-
-
 def test_passive_stiff_segments_stay_at_rest_beside_elastic_tendons() -> None:
     pulled = sn.Segment(1.0, 2.0, stiffness=1.0, tendons=sn.Tendons(3, 0.1, stiffness=100.0))
     robot = sn.Robot([pulled, sn.Segment(1.0, 2.0, stiffness=1.0, rest=(0.2, 0.1))])

@@ -128,19 +128,6 @@ def test_open_coordinates_are_named() -> None:
     refused("initial", lambda: Robot.uniform(9, 1.0).from_actuators([]), "bend_y of s2 (segment 2) and 14 more")
 
 
-def test_axes_in_front_broadcast() -> None:
-    robot = Robot([Segment((0.5, 1.5), tendons=Tendons(3, 0.1))])
-    q = np.random.default_rng(0).uniform(0.5, 1.5, (4, 2, 1, 3))
-    values = robot.to_actuators(q)
-    assert robot.from_actuators(values, q).shape == (4, 2, 1, 3)
-    assert robot.from_actuators(values[0, 0], q).shape == (4, 2, 1, 3)
-    assert robot.from_actuators(values[:0], q[:0]).shape == (0, 2, 1, 3)
-    assert robot.to_actuators(q[:0]).shape == (0, 2, 3)
-    np.testing.assert_allclose(robot.from_actuators(values, [[0, 0, 1.0]])[..., 2], 1.0)
-    np.testing.assert_allclose(robot.from_actuators(values, q[:, :1])[:, 1, 0, 2], q[:, 0, 0, 2])
-    refused("initial", lambda: robot.from_actuators(values, np.ones((3, 2, 1, 3))), "broadcast")
-
-
 @with_each("values", [None, 3.0, "abc", [1.0, 2.0], [[1.0, 2.0, 3.0, 4.0]], [1.0, math.nan, 0.0], [True] * 3])
 def test_bad_values_are_refused(values: Any) -> None:
     robot = Robot([Segment(1.0, tendons=Tendons(3, 0.1))])

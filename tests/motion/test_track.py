@@ -1,13 +1,10 @@
 """Following a path."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 import sinuous as sn
 from tests.cases import with_each
-from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
 CIRCLE = [
@@ -116,23 +113,6 @@ def test_each_waypoint_begins_at_the_last() -> None:
     assert again.solutions[0].start == "given"
     assert len(again.q) == 1
     assert again.largest_step == (0.0, 0.0)
-
-
-def test_a_path_of_arrays_is_one_of_targets() -> None:
-    places = np.array([target.position for target in CIRCLE[:8]])
-    up = np.tile([0.0, 0.3, 1.0], (8, 1))
-    listed = [sn.Target(place, direction=(0.0, 0.3, 1.0)) for place in places]
-    pairs: list[tuple[dict[str, Any], list[sn.Target]]] = [
-        ({"positions": places}, CIRCLE[:8]),
-        ({"positions": places, "directions": up}, listed),
-    ]
-    for arrays, targets in pairs:
-        np.testing.assert_array_equal(sn.track(ROBOT, scene=[BALL], **arrays).q, sn.track(ROBOT, targets, [BALL]).q)
-    refused("directions", lambda: sn.track(ROBOT, positions=places, directions=up[:3]), "positions: 8")
-    refused("positions[2]", lambda: sn.track(ROBOT, positions=[*places[:2], [0, 0, np.nan]]))
-    refused("targets[1]", lambda: sn.track(ROBOT, [CIRCLE[0], (0, 1)]), "for positions use positions=")
-    refused("positions", lambda: sn.track(ROBOT, CIRCLE, positions=places), "cannot be combined with targets")
-    refused("targets", lambda: sn.track(ROBOT, positions=np.empty((0, 3))))
 
 
 def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:

@@ -179,20 +179,3 @@ def test_the_way_is_the_same_in_every_unit_of_length(unit: float, knots: int) ->
     scaled = sn.Motion(sn.Robot.uniform(3, (0.8, 1.2), 2.4), q * lengths, [FAR])
     assert off_the_way(scaled, places * lengths) < 1e-7
     assert len(timed.times) >= 50
-
-
-@pytest.mark.parametrize("unit", [1e-9, 1e-6, 1e6, 1e9])
-def test_a_blended_way_takes_the_same_time_in_every_unit_of_length(unit: float) -> None:
-    """Tolerances of what finds the timing are absolute: in small units it found none."""
-
-    def timed(scale: float) -> sn.Trajectory:
-        arm = sn.Robot.uniform(3, (0.8 * scale, 1.2 * scale), 2.4, radius=0.01 * scale)
-        q = wave().q * (1.0, 1.0, scale / 57.0)
-        rates = sn.Rates(1.0, 0.5 * scale, acceleration=sn.Rates(3.0, 2.0 * scale))
-        return sn.Motion(arm, q, [sn.Sphere((0, 0, 9 * scale), 0.1 * scale)]).timed(rates, 0.1 * scale)
-
-    one, other = timed(1.0), timed(unit)
-    assert other.duration == pytest.approx(one.duration, rel=1e-6)
-    shares = np.linspace(0.0, 1.0, 50)
-    places = other.at(shares * other.duration) * (1.0, 1.0, 1.0 / unit)
-    np.testing.assert_allclose(places, one.at(shares * one.duration), atol=1e-5)

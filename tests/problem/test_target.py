@@ -137,36 +137,6 @@ RNG = np.random.default_rng(3)
 P, D, R = RNG.normal(size=(20, 3)), RNG.normal(size=(20, 3)), Rotation.random(20, rng=4)
 
 
-@with_each(
-    "given",
-    [
-        {"positions": P},
-        {"directions": D},
-        {"positions": P, "directions": D},
-        {"positions": P, "rotations": R},
-        {"positions": P, "rotations": R.as_matrix()},
-        {"positions": P, "rotations": R.as_quat(scalar_first=True)},
-        {"positions": P, "xyzw": R.as_quat()},
-        {"positions": P, "rotations": R.as_matrix().astype(np.float32)},
-    ],
-)
-def test_rows_are_those_of_targets(given: dict[str, Any]) -> None:
-    goals = TipGoals.read(given)
-    names = {"positions": "position", "directions": "direction", "rotations": "rotation", "xyzw": "xyzw"}
-    for i in range(20):
-        single = Target(**{names[key]: value[i] for key, value in given.items()})
-        np.testing.assert_array_equal(goals.rows[i], single.table[0])
-        np.testing.assert_array_equal(goals[i : i + 1].rows, single.table)
-    numbers = np.array([7, 3, 3])
-    np.testing.assert_array_equal(goals[numbers].rows, goals.rows[numbers])
-    again = pickle.loads(pickle.dumps(goals))
-    np.testing.assert_array_equal(again.rows, goals.rows)
-    for part in (goals.positions, goals.directions, again.positions, again.rotations):
-        assert part is None or not part.flags.writeable
-    assert goals.rows.flags.writeable
-    assert goals.rows.flags.c_contiguous
-
-
 def test_loose_rotations_are_made_exact_one_like_many() -> None:
     loose = R.as_matrix() + 1e-8 * RNG.normal(size=(20, 3, 3))
     many = TipGoals.read({"rotations": loose}).rotations

@@ -86,22 +86,6 @@ def test_triangles_against_their_neighbours_are_turned(seed: int) -> None:
     assert mesh.defects == (f"{wrong.sum()} triangles faced another way than the neighbours and were turned",)
 
 
-def test_a_surface_with_one_side_is_a_shell() -> None:
-    """Klein's bottle has no inside: a grid of squares whose top meets its bottom the wrong way round."""
-    n = 6
-    i, j = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
-
-    def number(i: Any, j: Any) -> Any:
-        over = i >= n
-        return (i % n) * n + np.where(over, -j, j) % n
-
-    a, b, c, d = number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)
-    faces = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
-    mesh = Mesh(np.random.default_rng(0).normal(size=(n * n, 3)), faces)
-    assert not mesh.watertight
-    assert "face opposite ways" in mesh.defects[-1]
-
-
 def test_triangles_without_area_are_dropped_and_said() -> None:
     vertices, faces = cube()
     lines = np.concatenate([faces, [[0, 0, 1], [3, 3, 3]]])

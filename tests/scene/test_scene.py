@@ -2,7 +2,6 @@
 
 import math
 import pickle
-import threading
 from functools import partial
 from typing import Any
 
@@ -132,30 +131,6 @@ def test_an_update_leaves_out_what_is_not_finite_and_what_is_the_robot() -> None
     assert len(scene.obstacles[0].points) == len(seen)  # type: ignore[attr-defined]
     refused("ignore_robot", lambda: scene.update(seen, ignore_robot=solution.q), "a solution")  # type: ignore[arg-type]
     refused("margin", lambda: scene.update(seen, margin=-1.0))
-
-
-def test_an_update_leaves_no_moment_between() -> None:
-    """Readers see the old scene or the new one, never a mixture."""
-    scene = Scene([PointCloud(cloud(1), 0.1), Sphere((0, 0, 0), 0.1)])
-    scene.prepare()
-    stop = threading.Event()
-    wrong: list[float] = []
-    far = np.array([[100.0, 0.0, 0.0]])
-
-    def look() -> None:
-        while not stop.is_set():
-            d = float(scene.distance(far)[0])
-            if not (abs(d - 99.9) < 1e-9 or abs(d - 49.9) < 1e-9):
-                wrong.append(d)
-
-    scene.update([[50.0, 0.0, 0.0]] * 2000)
-    watcher = threading.Thread(target=look)
-    watcher.start()
-    for i in range(100):
-        scene.update([[50.0 * (i % 2), 0.0, 0.0]] * (1 + 37 * i))
-    stop.set()
-    watcher.join()
-    assert not wrong
 
 
 def test_which_cloud_must_be_clear() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels import tables
 from sinuous.measures.body import least_clearance, least_self_clearance, segment_ends
 from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import refused
@@ -153,24 +152,3 @@ def test_what_cannot_be_meant_is_refused() -> None:
     through = ROBOT.changed(self_collision="allow")
     refused("self_clearance", lambda: sn.solve(through, TARGET, self_clearance=1.0), "self_collision: allow")
     assert sn.solve(ROBOT, TARGET, [BALL], clearance=np.array([1.0, 1.0, 2.0])).demanded_clearance == (1.0, 1.0, 2.0)
-
-
-def test_nothing_is_touched_that_need_not_be() -> None:
-    """A descent ends in contact; where there is room beside it, the answer has some, and is as exact as before."""
-    robot = sn.Robot.uniform(5, (45.0, 70.0), 2.4, radius=4.0)
-    rng = np.random.default_rng(1)
-    places = rng.uniform([-150.0, -150.0, 60.0], [150.0, 150.0, 250.0], (14, 3))
-    scene = [sn.Sphere(place, 25.0) for place in places if np.hypot(*place[:2]) > 40.0]
-    targets = rng.uniform([-150.0, -150.0, 60.0], [150.0, 150.0, 250.0], (120, 3))
-    solver, grazing = sn.Solver(robot, scene, max_starts=20), sn.Solver(robot, scene, max_starts=20)
-    grazing._prepared._settings[tables.CLEARANCE_MARGIN] = 0.0
-    before, after = (each.solve_many(positions=targets, workers=1) for each in (grazing, solver))
-    np.testing.assert_array_equal(before.solved, after.solved)
-    touching = before.solved & (before.clearance < 0.08)
-    assert touching.sum() >= 5
-    np.testing.assert_array_equal(before.q[~touching], after.q[~touching])
-    assert (after.clearance[touching] >= before.clearance[touching]).all()
-    assert np.median(after.clearance[touching]) >= 0.2
-    assert all(after[i].verify().ok for i in np.flatnonzero(touching))
-    one = int(np.flatnonzero(touching)[0])
-    np.testing.assert_array_equal(solver.solve(sn.Target(targets[one])).q, after.q[one])

@@ -1,16 +1,11 @@
 """Ticks of a control loop under load: the loaded tip moves as asked, within limits and rates, and is proved clear."""
 
-import math
-from typing import Any
-
 import numpy as np
 import pytest
 
 import sinuous as sn
 from sinuous.measures.statics import imbalance
 from sinuous.model.rates import Changes
-from sinuous.solver.loaded_control_step import LoadedControlStep
-from sinuous.solver.step_query import StepQuery
 from sinuous.statics.rest import Rest, Way
 from tests.helpers import refused
 from tests.solver.test_loaded_solve import GRAVITY, Q, arm
@@ -157,29 +152,6 @@ def test_a_step_without_a_load_is_that_of_the_robot_alone(stretches: float | Non
         assert steps[0].q == pytest.approx(steps[1].q, abs=1e-6)
         assert steps[0].proved == steps[1].proved
         assert [each.constraint for each in steps[0].active] == [each.constraint for each in steps[1].active]
-
-
-@pytest.mark.parametrize("tension", [None, (0.0, 2.0)], ids=["rigid", "elastic"])
-def test_a_step_does_not_depend_on_what_its_scratch_held(
-    tension: tuple[float, float] | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    robot = arm() if tension is None else pulled(tension[1])
-    q = Q if tension is None else np.tile([0.05, 0.05, 0.1], (len(robot), 1))
-    ball, rates = sn.Sphere(robot.shape(q).tip[:3, 3] + (0.017, 0.0, 0.0), 0.01), sn.Rates(bend=5.0, length=1.0)
-    prepare, found = LoadedControlStep._workspace, []
-    for held in (0.0, 1e30, math.nan):
-
-        def fill(own: LoadedControlStep, asked: StepQuery, actuators: int, held: float = held) -> Any:
-            space = prepare(own, asked, actuators)
-            space[:] = held
-            return space
-
-        monkeypatch.setattr(LoadedControlStep, "_workspace", fill)
-        solver = sn.Solver(robot, [ball], time=PATIENCE)
-        first = solver.step(q, np.array([0.3, 0.0, 0.0]), DT, rates=rates)
-        aimed = solver.step(first, target=sn.Target((0.0, 0.1, 0.2)), dt=DT, rates=rates)
-        found.append((first.q.tobytes(), aimed.q.tobytes(), first.status, aimed.status))
-    assert found[0] == found[1] == found[2]
 
 
 def pulled(most: float, arcs: int = 3) -> sn.Robot:

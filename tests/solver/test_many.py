@@ -211,24 +211,6 @@ def test_it_is_a_sequence(some: Solutions) -> None:
     refused("index", lambda: some[np.zeros((2, 2), int)])
 
 
-def test_it_is_frozen_short_and_the_same_after_a_journey(some: Solutions) -> None:
-    assert repr(some).startswith("Solutions: 40 of 3 segments: ")
-    assert len(repr(some)) < 120
-    assert repr(some[:0]) == "Solutions: 0 of 3 segments"
-    for array in (some.q, some.seconds):
-        with pytest.raises(ValueError, match="read-only"):
-            array[0] = 0.0
-    with pytest.raises(AttributeError):
-        some.q = some.q  # type: ignore[misc]
-    again = pickle.loads(pickle.dumps(some))
-    assert again.equals(some)
-    assert not again.q.flags.writeable
-    assert not some.equals(some[1:])
-    assert not some.equals(3)
-    assert repr(again[3].problem.targets) == repr(some[3].problem.targets)
-    assert again[7].explain(0.0).status is some[7].status
-
-
 def test_initial_configurations_for_all_and_for_each() -> None:
     solver = sn.Solver(ARM, time=LONG)
     poses, near = tips(ARM, 6), shapes(ARM, 6, 1.0, 4)

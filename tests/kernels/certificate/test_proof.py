@@ -118,22 +118,6 @@ def test_it_does_not_matter_where_robot_and_obstacles_stand() -> None:
         assert one[UNTIL] == pytest.approx(other[UNTIL], abs=1e-6)
 
 
-def test_spheres_are_proved_as_capsules_without_length_are() -> None:
-    """Spheres that are far are told by their balls alone; of what has none, each distance is computed."""
-    verdicts = set()
-    for seed in range(60):
-        rng = np.random.default_rng([seed, 77])
-        case = random_case(seed)
-        balls = [(rng.uniform(-3.0, 3.0, 3), float(rng.uniform(0.05, 0.4))) for _ in range(30)]
-        spheres = case._replace(scene=Scene([sn.Sphere(*ball) for ball in balls]))
-        others = case._replace(scene=Scene([sn.Capsule(c, c, r) for c, r in balls]))
-        for slack in (1.0, SLACK):
-            one, other = prove(spheres, slack), prove(others, slack)
-            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
-            verdicts.add(int(one[0, VERDICT]))
-    assert {CLEAR, TOUCHING} <= verdicts
-
-
 @pytest.mark.parametrize("ends", [(-0.6, 0.6), (-0.3, 0.8), (-1.9, 0.1)])
 @pytest.mark.parametrize("deep", [1e-2, 1e-3, 1e-5])
 def test_who_touches_a_wall_only_on_the_way_is_not_clear(ends: tuple[float, float], deep: float) -> None:

@@ -12,7 +12,6 @@ import pytest
 
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.maths.vectors import Array
-from tests.kernels.compile import parts
 
 HERE = Path(__file__).parents[3]
 
@@ -58,15 +57,6 @@ def test_what_python_refuses_is_what_the_processor_says(both: Any, x: float, y: 
     for number in (k, -k):
         assert both(x, y, number, compiled) == both.interpreted(x, y, number, interpreted)
         np.testing.assert_allclose(interpreted, compiled, rtol=1e-15, atol=0.0)
-
-
-def test_a_kernel_stays_the_function_that_it_is() -> None:
-    norm = parts.norm
-    assert norm.__code__.co_filename == parts.__file__
-    assert parts.twice_the_norm.interpreted(3.0, 4.0) == 10.0  # type: ignore[attr-defined]
-    assert norm.__code__.co_filename == parts.__file__
-    assert norm.__code__.co_firstlineno == 13
-    assert compiling.compiled_form(parts.norm).py_func is not norm
 
 
 def process(*command: str, mode: str = "interpreted") -> subprocess.CompletedProcess[str]:

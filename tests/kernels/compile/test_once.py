@@ -80,17 +80,3 @@ def test_a_kernel_apart_is_called_not_copied() -> None:
         (made,) = entry.overloads.values()
         own = {one.name.split("5parts")[1] for one in made.library._final_module.functions if "5parts" in one.name}
         assert any(one.startswith(f"{len(name)}{name}") for one in own) is not copied
-
-
-def test_code_that_numba_compiles_by_itself_can_call_what_calls_shared_kernels() -> None:
-    """Numba may keep it on disk, for processes that have no shared kernel: it is in that code, as everything is."""
-    longest = compiling.compiled_form(parts.longest)
-
-    def twice(x: float) -> float:
-        return float(2.0 * longest(x, 4.0) + parts.thrice_the_longest(x, 4.0))
-
-    user = njit(twice)
-    assert user(3.0) == 45.0
-    (result,) = user.overloads.values()
-    declared = {one.name for one in result.library._final_module.functions if one.is_declaration}
-    assert not any("longest" in name for name in declared)

@@ -139,18 +139,6 @@ def test_an_interpreted_call_is_abandoned_and_made_again_with_its_code(
     monkeypatch.undo()
 
 
-def test_where_interpreted_calls_took_long_code_is_waited_for(orders: Orders, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Helpers may never come to their turn: an answer is later by a share at most, and those that follow are soon."""
-    entry: Any = compiling.entry(half)
-    cpu = [0.0]
-    monkeypatch.setattr(time, "thread_time", lambda: cpu.__setitem__(0, cpu[0] + 9.0) or cpu[0])
-    calls = 0
-    while not entry.signatures:
-        assert entry(3.0) == 1.5
-        calls += 1
-    assert calls == 5  # 9 s each, for 9 s of compiling: 36 s are more than 9 / 0.3
-
-
 def test_interpreted_time_is_what_looks_are_worth(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = [100.0]
     monkeypatch.setattr("sinuous.base.progress.perf_counter", lambda: wall[0])

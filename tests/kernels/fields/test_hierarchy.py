@@ -9,11 +9,8 @@ import sinuous as sn
 from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.body import pieces
-from sinuous.kernels.fields import distances, hierarchy
+from sinuous.kernels.fields import distances
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, LOWER_BOUND, UPPER_BOUND
-from sinuous.kernels.growing import guide
-from sinuous.kernels.roadmap import sight
-from sinuous.scene.hierarchy import is_worn
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.snapshot import Mover, Snapshot
 from tests.helpers import Floats, kernel_scene, vec
@@ -96,17 +93,6 @@ def test_the_closest_obstacle_is_the_first_of_those_that_are_as_close(cells: boo
 
 
 @pytest.mark.parametrize("cells", [False, True])
-def test_upper_bounds_and_what_holds_for_all_are_the_same(cells: bool) -> None:
-    rng = np.random.default_rng(1)
-    own, plain = both(sn.Scene(many(rng)), cells)
-    assert distances.coarseness(own) == distances.coarseness(plain) > 0.0
-    assert distances.most_roundoff(own) == distances.most_roundoff(plain)
-    for p in map(vec, places(40, rng)):
-        for reach in (0.3, math.inf):
-            assert distances.at_most(own, p, reach) == distances.at_most(plain, p, reach)
-
-
-@pytest.mark.parametrize("cells", [False, True])
 def test_those_near_are_listed_in_their_order_and_once(cells: bool) -> None:
     rng = np.random.default_rng(3)
     own, plain = both(sn.Scene(many(rng)), cells)
@@ -123,33 +109,6 @@ def test_those_near_are_listed_in_their_order_and_once(cells: bool) -> None:
             assert rest >= reach
             few, _ = pieces.few_near(own, p, reach, listed)
             assert few == (count if count <= pieces.FEW else pieces.MANY)
-
-
-def test_lines_meet_the_boxes_that_they_come_near() -> None:
-    rng = np.random.default_rng(5)
-    own, plain = both(sn.Scene([*some(80, rng), sn.HalfSpace((0.0, 0.0, -0.5), (0.0, 0.0, 1.0))]))
-    none, recent = np.zeros((0, 12)), np.full(1, -1, np.int64)
-    free = cut = 0
-    for a, b in zip(places(40, rng), places(40, rng), strict=True):
-        p, line, end = vec(a), vec(0.5 * (b - a)), vec(0.5 * (a + b))
-        assert sight.cutting(own, none, p, end, recent)[0] == sight.cutting(plain, none, p, end, recent * 0 - 1)[0]
-        recent[:] = -1
-        own_guide = guide.Guide(np.array([end]), 1.0, (0.0, 0.0, 0.0), 0.1, 1.0)
-        seen = guide.visible(own, own_guide, p, 0)
-        assert seen == guide.visible(plain, own_guide, p, 0)
-        free, cut = free + seen, cut + (not seen)
-        tree = hierarchy.tree_over(own.store)
-        met, node = set(), hierarchy.crossed_leaf(own.store, tree, 0, p, line, 0.05)
-        while node:
-            at = hierarchy.item_of(tree, node)
-            met |= {int(own.store[at])} if at >= 0 else set()
-            node = hierarchy.crossed_leaf(own.store, tree, node, p, line, 0.05)
-        along = np.linspace(a, 0.5 * (a + b), 50)
-        for i in range(own.table.shape[0] - 1):
-            if min(distances.evaluate(plain, i, vec(x), math.inf, EXACT)[0] for x in along[::7]) < 0.05:
-                assert i in met
-    assert free > 3
-    assert cut > 3
 
 
 @pytest.mark.parametrize("count", [t.MANY_OBSTACLES - 1, t.MANY_OBSTACLES])
@@ -201,15 +160,3 @@ def test_cells_cover_what_is_asked_for_and_go_where_an_obstacle_changes() -> Non
     assert cells_of(moved) == cells_of(changed) == 0.0
     assert moved._kernel_group.size == changed._kernel_group.size < snapshot._kernel_group.size
     np.testing.assert_array_equal(changed.distance(points), sn.Scene(changed.obstacles).distance(points))
-
-
-def test_a_hierarchy_is_made_anew_after_many_changes() -> None:
-    snapshot = sn.Scene([sn.Box((3.0 * i, 0.0, 0.0), (2.0, 2.0, 2.0)) for i in range(60)]).snapshot()
-    snapshot.prepare()
-    worn = 0
-    for i in range(60):
-        snapshot = snapshot.replaced(i, sn.Box((3.0 * i, 50.0, 0.0), (2.0, 2.0, 2.0)))
-        worn += is_worn(packing.scene_parts(snapshot._kernel_group)[1], len(snapshot))
-    assert worn == 1
-    assert packing.scene_parts(snapshot._kernel_group)[1][t.HIERARCHY_CHANGES] < 20
-    assert snapshot.distance((0.0, 50.0, 0.0)) == -1.0

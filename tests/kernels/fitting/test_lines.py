@@ -3,24 +3,10 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, distances_along, widths_across
-from sinuous.scene.obstacles import Box, Sphere
+from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, widths_across
+from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_distances_are_those_of_the_scene_up_to_a_reach(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    scene = Scene([Box((0.0, 0.5, 1.0), (0.4, 0.3, 0.6)), Sphere((1.0, 0.0, 0.5), 0.3)])
-    points, reach = rng.uniform(-2.0, 2.0, (200, 3)), 0.8
-    found, true = np.empty(200), scene.distance(points)
-    distances_along(scene.snapshot().group.copy(), points, reach, found)
-    near = true < reach
-    assert near.any()
-    assert not near.all()
-    np.testing.assert_allclose(found[near], true[near])
-    assert (found[~near] >= reach).all()
 
 
 def beside(scene: Scene, line: Floats, radius: float, enough: float) -> Floats:

@@ -49,19 +49,6 @@ def test_alternatives_pass_an_obstacle_on_different_sides() -> None:
     assert len(sides) >= 3
 
 
-def test_a_route_leaves_straight_for_the_length_that_it_has() -> None:
-    aside = {"goal": (0.8, 0.0, 1.5), "turn": 0.4, "longest": 4.0}
-    bent = find(Scene(), query(**aside)).routes[0]
-    straight = find(Scene(), query(**aside, straight_max=1.2, other_length=0.9)).routes[0]
-
-    def height(route: Floats) -> float:
-        """How far it keeps to the axis."""
-        return float(route[np.abs(route[:, 0]) < 0.02, 2].max())
-
-    assert height(bent) < 0.6
-    assert 0.7 < height(straight) < 1.3
-
-
 def test_a_goal_in_a_closed_room_has_no_route_and_that_is_proved_when_asked_for() -> None:
     walls = room(0.02, 0.3, (0.0, 0.0, 2.0))
     assert find(walls, query()).ended == PROVED_CLOSED

@@ -68,20 +68,6 @@ def test_an_arc_beside_a_wall_is_bent_off_it(offset: float) -> None:
     assert arc[0] < 1.0
 
 
-def test_a_rigid_link_is_not_bent_and_cut_before_what_is_across() -> None:
-    link = Segment((0.2, 2.0), 0.0, radius=RADIUS)
-    near = Scene([Box((0.17, 0.0, 1.0), (0.2, 1.0, 1.0))])
-    arc, overlap = out(near, (0.0, 0.0, 1.5), link)
-    assert tuple(arc) == (0.0, 0.0, 1.5)
-    assert overlap == pytest.approx(0.3, abs=1e-9)
-    across = Scene([Box((0.0, 0.0, 1.0), (0.2, 1.0, 1.0))])
-    arc, overlap = out(across, (0.0, 0.0, 1.5), link)
-    assert arc[:2].tolist() == [0.0, 0.0]
-    assert 0.3 < arc[2] <= 0.5 - (1.0 - MOST_OVERLAP) * RADIUS
-    assert overlap <= MOST_OVERLAP
-    assert out(across, (0.0, 0.0, 1.5), Segment(1.5, 0.0, radius=RADIUS))[1] == math.inf
-
-
 @pytest.mark.parametrize("off", [-0.07, 0.07])
 def test_an_arc_that_does_not_fit_as_the_one_before_it_ends_is_bent_with_that(off: float) -> None:
     """A straight channel of 1.6 radii, the first arc a little bent: the second one hits the wall at once."""

@@ -9,13 +9,11 @@ from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.solve import verdicts
 from sinuous.kernels.solve.verdicts import POSSIBLE
-from sinuous.kernels.tables import TARGET_BLOCKED
 from sinuous.measures.reach import bounds
-from sinuous.model.poses import pose
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.obstacles import Box, Sphere
+from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_problem, random_pose
 
@@ -48,28 +46,6 @@ def extreme(robot: Robot, rng: np.random.Generator) -> Floats:
     return np.array(out)
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_what_a_configuration_attains_is_never_impossible(seed: int) -> None:
-    robot = robots(seed)
-    rng = np.random.default_rng(seed)
-    for _ in range(10):
-        q = extreme(robot, rng)
-        tip = robot.tip(q)
-        off = rng.normal(size=3)
-        place = tip[:3, 3] + 0.999 * TOLERANCE[0] * off / np.linalg.norm(off)  # tolerances are inclusive
-        k = int(rng.integers(1, len(robot) + 1))
-        inner = robot.forward(q)[k - 1]
-        for target in (
-            Target(place),
-            Target(direction=tip[:3, 2]),
-            Target(place, direction=tip[:3, 2]),
-            Target(place, rotation=tip[:3, :3]),
-        ):
-            assert verdict(robot, target) == POSSIBLE
-        if k < len(robot):
-            assert verdict(robot, Target(inner[:3, 3], direction=inner[:3, 2], segment=k)) == POSSIBLE
-
-
 @pytest.mark.parametrize("seed", range(25))
 def test_what_is_attained_within_large_tolerances_is_never_impossible(seed: int) -> None:
     robot, rng = robots(seed), np.random.default_rng(seed)
@@ -95,20 +71,6 @@ def test_a_target_that_a_clear_body_attains_is_never_blocked(seed: int) -> None:
     ball = Scene([Sphere(end[:3, 3] + away * (0.2 + 0.05 + 1e-9), 0.2)])  # touches the ball at the tip
     for target in (Target(tip[:3, 3]), Target(tip[:3, 3], rotation=tip[:3, :3]), Target(direction=tip[:3, 2])):
         assert verdict(robot, target, ball) == POSSIBLE
-
-
-def test_a_tip_that_would_be_in_an_obstacle() -> None:
-    robot = Robot.uniform(3, (0.5, 1.0), radius=0.1)
-    wall = Scene([Box((0, 0, 3), (1, 1, 2))])
-    assert verdict(robot, Target((0, 0, 2.5)), wall) == TARGET_BLOCKED
-    assert verdict(robot, Target((0, 0, 1.95)), wall) == TARGET_BLOCKED
-    assert verdict(robot, Target((0, 0, 1.89)), wall) == POSSIBLE
-    assert verdict(robot, Target((0, 0, 1.95), segment=2), wall) == TARGET_BLOCKED
-    # A tool reaches into what the body must not touch.
-    armed = Robot.uniform(3, (0.5, 1.0), radius=0.1, tool=pose((0, 0, 0.5)))
-    assert verdict(armed, Target((0, 0, 2.2)), wall) == POSSIBLE
-    assert verdict(armed, Target((0, 0, 2.2), rotation=np.eye(3)), wall) == POSSIBLE
-    assert verdict(armed, Target((0, 0, 2.8), rotation=np.eye(3)), wall) == TARGET_BLOCKED
 
 
 def test_an_obstacle_about_the_mount_blocks_nothing_there() -> None:

@@ -79,33 +79,6 @@ def test_a_goal_behind_the_base_needs_another_guess() -> None:
     assert repaired.iterations <= 60
 
 
-def test_the_paper_has_no_limit_of_bends() -> None:
-    """What is solved without one can bend a segment by more than it may; then it is not solved, and says so."""
-    target = poses()[3]
-    free = sn.Solver(arm(5, 6.0), tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target)
-    assert free.solved
-    assert largest_bend(free) > 1.6
-    limited = sn.Solver(arm(5, 1.6), tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target)
-    assert limited.status is sn.Status.LIMIT_BOUND
-    assert limited.worst is not None
-    assert limited.worst.constraint in ("bend", "length")
-    repaired = sn.Solver(arm(5, 1.6), tolerance=EXACT, method="opti_path").solve(target)
-    assert repaired.solved
-    assert largest_bend(repaired) <= 1.6
-
-
-def test_length_and_orientation_pull_against_each_other() -> None:
-    """A weighted sum is smallest where neither is met: to a thousandth of a rad, only gating gets there."""
-    tight = sn.Tolerance(1e-9, 1e-4)
-    count = {}
-    for schedule in ("constant", "gated"):
-        method = methods.OptiPath(schedule=schedule, dead_band=0.0)
-        solver = sn.Solver(arm(5, np.pi), tolerance=tight, method=method, max_starts=1)
-        count[schedule] = sum(solver.solve(target).solved for target in poses())
-    assert count["constant"] <= 2
-    assert count["gated"] == 4
-
-
 def tracking_scene(seed: int, spheres: int) -> tuple[sn.Robot, list[sn.Target], sn.Scene]:
     rng = np.random.default_rng(seed)
     turn = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)

@@ -48,22 +48,6 @@ def test_products_agree_with_each_other_and_read_a_chunk_at_a_time(tmp_path: Pat
     np.testing.assert_array_equal(batch.jvp(tangent["target"]), batch.jvp({"target": tangent["target"]}))
 
 
-def test_of_preferences_the_start_of_each_row_is_known_also_where_it_is_a_near_answer() -> None:
-    """A derivative with respect to a near target's answer agrees with that of the solver that began there."""
-    prefer, start = sn.Preferences(start=1.0), np.tile([0.3, 0.0, 60.0], (3, 1))
-    targets = np.random.default_rng(1).normal((20, 0, 150), 15, (20, 3))
-    robot = sn.Robot.uniform(3, (45, 70), max_bend=2.0, self_collision="allow")
-    for warm in (False, True):
-        batch = sn.studies.solve_batch(robot, targets, initial=start, warm=warm, prefer=prefer, workers=1)
-        assert batch.results is not None
-        (part,) = batch.derivatives("base")
-        assert part.regular.mean() > 0.8
-        if not warm:
-            own = sn.Solver(robot, prefer=prefer, max_starts=100, time=60.0)
-            one = own.solve(sn.Target(targets[3]), start).derivative("base")
-            np.testing.assert_allclose(part.q["base"][3], one.q["base"], atol=1e-9)
-
-
 @pytest.mark.parametrize("keys", [("positions",), ("directions",), ("positions", "rotations")])
 def test_a_chunk_without_any_target_has_the_columns_of_the_others(keys: tuple[str, ...]) -> None:
     good = {"positions": [[0.0, 30.0, 160.0]] * 4, "directions": [[0, 0, 1.0]] * 4, "rotations": [np.eye(3)] * 4}

@@ -291,21 +291,6 @@ def test_play_is_told_and_fitted() -> None:
     assert not any("play" in note for note in plain.notes)
 
 
-def test_few_rows_say_the_level_that_they_allow() -> None:
-    real = real_robot()
-    values = settings(real, 12)
-    found = sn.studies.calibrate(DRAWN, values, measured(real, values, 1.0), fit=["base"])
-    own = found.robot.uncertainty
-    assert own is not None
-    assert isinstance(own.bound, float)
-    assert own.level == found.level == pytest.approx(12 / 13)
-    assert own.bound == pytest.approx(found.bound(found.level))
-    assert found.bound() == math.inf
-    assert "12 rows allow a bound at 92.3 %; 95 % needs 19" in found.notes
-    assert found.confidence(own.bound) == pytest.approx(12 / 13)
-    assert found.confidence(0.0) == 0.0
-
-
 def test_rows_of_a_motion_bound_its_other_rows() -> None:
     """What is wrong with the robot matters more in some motions; the device lies askew, and points are in metres."""
     values, motion = settings(DRAWN, 30), settings(DRAWN, 160, seed=5) * [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]
@@ -403,19 +388,6 @@ def test_a_table_of_measurements(tmp_path: Path) -> None:
         read_table(file, ["a"])
     file.write_text("a,x1,y1,z1,x2,y2,z2\n1,2,3,4,5,6,7\n")
     assert read_table(file, ["a"]).measured.shape == (1, 2, 3)
-
-
-def test_values_may_stand_under_the_names_of_the_actuators() -> None:
-    values = settings(DRAWN, 24)
-    tips = measured(DRAWN.changed(base=POSE), values)
-    values[3, 1] = np.nan  # a row without a value is left out
-    found = sn.studies.calibrate(DRAWN, values, tips, fit=["base"])
-    named = dict(zip((each.name for each in DRAWN.actuators), values.T, strict=True))
-    again = sn.studies.calibrate(DRAWN, named, tips, fit=["base"])
-    assert again.robot.equals(found.robot)
-    first = {name: column[0] for name, column in named.items()}
-    np.testing.assert_array_equal(again.predict(first), found.predict(values[0]))
-    assert again.for_motion(named, tips, level=0.8).equals(found.for_motion(values, tips, level=0.8))
 
 
 def jointed(**more: Any) -> sn.Robot:

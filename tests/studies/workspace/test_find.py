@@ -105,17 +105,6 @@ def test_the_obstacle_in_the_way_is_named(found: sn.studies.Reach) -> None:
     assert found.in_the_way((45, 0, 70)) in blame
 
 
-def test_neighbours_find_what_the_arc_does_not() -> None:
-    robot = sn.Robot.uniform(4, length=(45, 70), max_bend=2.4, radius=4)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(find, "TRIES", 0)
-        without = sn.studies.reach(robot, WALL, 40.0, 6)
-    found = sn.studies.reach(robot, WALL, 40.0, 6)
-    gained = (found.verdicts == Verdict.SOLVED) & (without.verdicts != Verdict.SOLVED)
-    assert not ((without.verdicts == Verdict.SOLVED) & (found.verdicts != Verdict.SOLVED)).any()
-    assert gained.any()
-
-
 def test_wherever_it_ends_the_same_call_goes_on(
     found: sn.studies.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

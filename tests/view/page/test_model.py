@@ -103,34 +103,6 @@ def test_a_shape_that_is_bent_by_hand_stays_until_something_is_asked() -> None:
         page.bend(3, 0, 0, 1)
 
 
-def test_an_actuator_gets_its_value_and_others_change_as_little_as_they_can() -> None:
-    tendons = sn.Tendons(3, 0.05, gain=[100, -100, 20], offset=7)
-    page = model(robot=sn.Robot.uniform(2, (0.8, 1.2), max_bend=2, tendons=tendons))
-    page.bend(0, 0.3, -0.2, 1.0)
-    before = page.actuators
-    page.drive(1, before[1] + 3.0)
-    after = page.actuators
-    assert np.isclose(after[1], before[1] + 3.0, atol=1e-12)
-    np.testing.assert_allclose(after[3:], before[3:], atol=1e-12)  # the motors of other segments hold
-    displaced = (after - before)[:3] / tendons.gain
-    np.testing.assert_allclose(displaced, displaced[1] * np.array([-0.5, 1.0, -0.5]), atol=1e-12)
-    with pytest.raises(InputError, match="actuator"):
-        page.drive(6, 0.0)
-
-
-def test_elastic_tendons_keep_the_values_that_somebody_gave_them() -> None:
-    tendons = sn.Tendons(3, 0.05, stiffness=100.0)
-    segments = [sn.Segment(1.0, max_bend=2, tendons=tendons, stiffness=0.5)] * 2
-    page = model(robot=sn.Robot(segments))
-    page.solve_from_here()
-    before = page.actuators
-    page.drive(0, before[0] + 0.02)
-    assert page.actuators.tolist() == [before[0] + 0.02, *before[1:]]
-    np.testing.assert_allclose(page.q, page.robot.from_actuators(page.actuators, page.q))
-    page.solve_from_here()
-    np.testing.assert_allclose(page.actuators, page.robot.to_actuators(page.q))
-
-
 def test_what_was_decided_is_taken_back_step_by_step() -> None:
     page, history = model(), History()
 
@@ -353,27 +325,3 @@ def test_a_waypoint_is_asked_at_its_time() -> None:
     page = moving(target=None, path=path, start=[[0.3, 0.0, 1.0]] * 3)
     page.go_to_waypoint(1)
     assert page.time == 2.0
-
-
-def test_what_stands_still_among_what_moves_is_dragged_and_resized() -> None:
-    page = moving()
-    page.grasp(0)
-    assert page.grip is not None
-    there = page.grip.copy()
-    there[:3, 3] += (0.1, 0.0, 0.0)
-    page.carry(there)
-    ball = page.scene.obstacles[0]
-    assert isinstance(ball, sn.Sphere)
-    np.testing.assert_allclose(ball.center, ASIDE.center + np.array([0.1, 0.0, 0.0]))
-    page.resize(radius=0.3)
-    assert page.scene.moves
-    page.grasp(1)
-    assert page.grip is None
-    with pytest.raises(InputError, match="cannot be moved"):
-        page.carry(np.eye(4))
-    page.add("box")
-    assert len(page.there) == 3
-    page.grasp(1)
-    page.delete()
-    assert not page.scene.moves
-    assert page.window == (0.0, 0.0)

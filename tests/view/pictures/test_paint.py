@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-import sinuous as sn
-from sinuous.measures.obstacles import measure
-from sinuous.view.display.surfaces import obstacle_surface, revolve_profile
-from sinuous.view.pictures.paint import clip_facets, facets_of_mesh, normals_of, split_facets
+from sinuous.view.display.surfaces import revolve_profile
+from sinuous.view.pictures.paint import clip_facets, normals_of, split_facets
 from tests.helpers import Floats
-from tests.scene.shapes import cube
 
 BALL = revolve_profile(np.stack([np.sin(a := np.linspace(0.0, np.pi, 30)), -np.cos(a)], axis=-1), 40).facets
 
@@ -46,16 +43,3 @@ def test_a_solid_that_is_cut_is_closed_again(limit: float) -> None:
     assert (across > -1e-12).all()
     edge = 0.2 * np.ones(3)
     assert volume(clip_facets(BALL, -edge, edge, solid=True)) == pytest.approx(0.4**3)
-
-
-def drawn(mesh: sn.Mesh) -> Floats:
-    return facets_of_mesh(obstacle_surface(mesh, np.zeros(3), 5.0), not mesh.watertight)
-
-
-def test_meshes_are_cut_into_small_facets_that_face_outwards() -> None:
-    mesh = sn.Mesh(*cube(2.0))
-    facets = drawn(mesh)
-    assert np.linalg.norm(np.roll(facets, -1, axis=1) - facets, axis=-1).max() <= 0.2
-    assert np.abs(measure(mesh, facets[::3].reshape(-1, 3))).max() < 1e-12
-    assert (measure(mesh, (facets.mean(axis=1) + 1e-3 * normals_of(facets))[::9]) > 0.0).all()
-    assert area(facets) == pytest.approx(24.0)

@@ -50,12 +50,12 @@ def writable(directory: Path) -> bool:
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory):
-            return own(directory)
+            return is_private(directory)
     except OSError:
         return False
 
 
-def own(directory: Path) -> bool:
+def is_private(directory: Path) -> bool:
     """Tell whether nobody but this user, and the system, may write into a directory: others could plant files."""
     if not hasattr(os, "getuid"):
         return True

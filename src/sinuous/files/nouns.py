@@ -100,7 +100,7 @@ def make(constructor: Callable[..., Noun], value: Any, parts: Mapping[str, Calla
     return constructor(**entries)
 
 
-def each(read: Callable[[Any], Noun], entries: Iterable[Any]) -> list[Noun]:
+def read_each(read: Callable[[Any], Noun], entries: Iterable[Any]) -> list[Noun]:
     """Read the entries of a list one after the other; a refusal names the place."""
     result = []
     for i, entry in enumerate(entries):
@@ -146,7 +146,7 @@ def read_robot(value: Any, folder: Path = Path()) -> Robot:
         "base": read_pose,
         "tool": read_pose,
         "actuators": partial(make, Actuators),
-        "payload": lambda own: each(partial(make, Payload), own if isinstance(own, list) else [own]),
+        "payload": lambda own: read_each(partial(make, Payload), own if isinstance(own, list) else [own]),
         "uncertainty": partial(make, Uncertainty),
     }
     return make(Robot, entries, parts)
@@ -162,7 +162,7 @@ def _read_joints(value: Any, folder: Path) -> list[Joint]:
     if isinstance(value, dict):
         files = {key: lambda name: folder / checks.text("", name) for key in ("urdf", "srdf")}
         return make(read_joints, value, files)
-    return each(_read_joint, _list_of("joints", value))
+    return read_each(_read_joint, _list_of("joints", value))
 
 
 def _read_joint(value: Any) -> Joint:
@@ -308,7 +308,7 @@ def read_target(value: Any, robot: Robot) -> Target:
 
 def read_targets(value: Any, robot: Robot) -> tuple[Target, ...]:
     """Read a list of targets that are to be met at once."""
-    return tuple(each(partial(read_target, robot=robot), _list_of("targets", value)))
+    return tuple(read_each(partial(read_target, robot=robot), _list_of("targets", value)))
 
 
 def targets_together(entries: list[Any]) -> tuple[Target, ...]:

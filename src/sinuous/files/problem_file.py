@@ -10,11 +10,11 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.files.documents import read_text
 from sinuous.files.nouns import (
-    each,
     known_entries,
     make,
     parse_path,
     read_configuration,
+    read_each,
     read_place,
     read_robot,
     read_target,
@@ -131,4 +131,4 @@ def _read_path(value: Any, robot: Robot, folder: Path) -> tuple[list[tuple[Targe
         return read_targets(entry, robot) if isinstance(entry, list) else (read_target(entry, robot),)
 
     with checks.inside("path"):
-        return each(read, value), None
+        return read_each(read, value), None

@@ -18,7 +18,6 @@ import gzip
 import io
 import json
 import re
-import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import Enum
@@ -307,7 +306,6 @@ PIECES: dict[str, Callable[[], Iterator[Problem]]] = {
     **{f"traps {i}": partial(places, TRAPS[i::4]) for i in range(4)},
     "wild worlds": partial(wild, worlds.make, 30),
     **{kind: partial(wild, make, 10) for kind, make in worlds.AUDITED.items()},
-    **{f"thick, {n} segments": partial(wild, partial(worlds.thick_arm, n), 4) for n in (3, 6)},
     "methods": methods,
     "plans": plans,
     **{f"calls of {what}": partial(called, what) for what in calls.CALLS},
@@ -458,7 +456,3 @@ def _compared(asked: tuple[str, Answers]) -> Compared:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line, by default that of the process, and return its exit code."""
     return execute(typer.main.get_command(app), "python -m benchmarks corpus", arguments)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,5 @@
 """`python -m benchmarks places`: places that `clutter` measures, solved again or drawn."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -83,7 +82,3 @@ def run(
 
 
 main = command(run, "benchmarks places")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -8,11 +8,9 @@ that shares nothing with the kernels.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable, Iterator
 from importlib import import_module
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -20,9 +18,8 @@ import typer
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.harness.command import command
+from benchmarks.harness.command import Record, command, give
 from benchmarks.harness.lines import Times, table
-from benchmarks.harness.machine import headed
 from benchmarks.judges.judge import right
 from benchmarks.judges.kinematics import arc_ends, arc_poses, body_places, link_poses, moving, tip_poses
 from benchmarks.judges.motions import wrong_at
@@ -30,7 +27,6 @@ from benchmarks.mbm import CAPSULES, FLANGE, PANDA, panda_joints
 from benchmarks.motion.leader import distances
 from sinuous.base import checks
 from sinuous.base.checks import Floats
-from sinuous.cli.options import check_writable
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 
 TOLERANCE = sn.Tolerance(1e-6, 1e-6)
@@ -250,29 +246,20 @@ def report(results: list[Result], reference: Times | None) -> str:
 def run(
     count: Annotated[int, typer.Option(help="Poses of each kind of arm.")] = 1000,
     seed: Annotated[int, typer.Option(help="Of the poses.")] = 0,
-    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the table there, too.")] = None,
+    record: Record = None,
 ) -> None:
     """Solve random reachable poses of arms with joints; the exit code is 1 when an answer was wrong."""
     checks.integer("--count", count, 1, 1_000_000)
     checks.integer("--seed", seed, 0, 2**31 - 1)
-    if record is not None:
-        check_writable("--record", record)
     facts = {
         "seed": str(seed),
         "protocol": f"time of the solve alone, the least of {RUNS}, from no start, to {TOLERANCE.position:g} m and "
         f"{TOLERANCE.angle:g} rad of a full pose; {SPHERES} spheres of {SPHERE:g} m, whole body proved clear",
     }
     results = [examine(family, count, seed) for family in FAMILIES]
-    led = lead(min(count, CURVES), seed)
-    text = headed(facts, f"{report(results, rigid_reference(min(count, 500), seed))}\n\n{led}")
-    typer.echo(text, nl=False)
-    if record is not None:
-        record.write_text(f"# joints\n\n{text}", encoding="utf-8")
+    text = f"{report(results, rigid_reference(min(count, 500), seed))}\n\n{lead(min(count, CURVES), seed)}"
+    give("joints", facts, text, record)
     raise typer.Exit(int(any(result.wrong for result in results)))
 
 
 main = command(run, "benchmarks joints")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

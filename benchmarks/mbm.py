@@ -9,7 +9,6 @@ asked to be.
 import gzip
 import json
 import math
-import sys
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
@@ -21,9 +20,8 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness.command import command
+from benchmarks.harness.command import Alone, Record, command, give
 from benchmarks.harness.lines import Times, table
-from benchmarks.harness.machine import headed
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
 from benchmarks.judges.motions import wrong_in
@@ -31,7 +29,6 @@ from benchmarks.ways import timed
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.cli.options import check_writable
 from sinuous.model.joints import Fixed, Joint, Revolute
 from sinuous.motion.configurations import distances
 from sinuous.scene.obstacles import Obstacle
@@ -271,42 +268,29 @@ def tables(trials: Sequence[Trial]) -> str:
     return "\n\n".join(parts)
 
 
-def _facts(robot: str, seed: int) -> dict[str, str]:
-    """Say what was measured."""
-    return {
+def run(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The problems, a file for each scenario.")],
+    robot: Annotated[str, typer.Option(help=f"At the place of the Panda: {', '.join(ROBOTS)}.")] = "continuum",
+    count: Annotated[int, typer.Option(help="Problems of each scenario, at most.")] = 10_000,
+    seed: Annotated[int, typer.Option(help="Of the planner.")] = 0,
+    alone: Alone = False,
+    record: Record = None,
+) -> None:
+    """Plan problems of MotionBenchMaker; the exit code is 1 when a plan was wrong."""
+    checks.choice("--robot", robot, tuple(ROBOTS))
+    checks.integer("--count", count, 1, 10_000)
+    checks.integer("--seed", seed, 0, 2**31 - 1)
+    facts = {
         "robot": robot,
         "seed": str(seed),
         "protocol": f"CPU time of one call of `sn.plan`, the middle one of {RUNS}, each in a scene of its own; solved "
         f"within {LIMIT:g} s; valid as the judges find it",
         "cost": "length of the path, in m: a change of a bend counts by the length of what it moves",
     }
-
-
-def run(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The problems, a file for each scenario.")],
-    robot: Annotated[str, typer.Option(help=f"At the place of the Panda: {', '.join(ROBOTS)}.")] = "continuum",
-    count: Annotated[int, typer.Option(help="Problems of each scenario, at most.")] = 10_000,
-    seed: Annotated[int, typer.Option(help="Of the planner.")] = 0,
-    alone: Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")] = False,
-    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the table there, too.")] = None,
-) -> None:
-    """Plan problems of MotionBenchMaker; the exit code is 1 when a plan was wrong."""
-    checks.choice("--robot", robot, tuple(ROBOTS))
-    checks.integer("--count", count, 1, 10_000)
-    checks.integer("--seed", seed, 0, 2**31 - 1)
-    if record is not None:
-        check_writable("--record", record)
     given = [(name, each) for name, problems in read_scenarios(folder).items() for each in problems[:count]]
     trials = list(in_processes(partial(examine, robot, seed), given, alone=alone))
-    text = headed(_facts(robot, seed), tables(trials))
-    typer.echo(text, nl=False)
-    if record is not None:
-        record.write_text(f"# mbm\n\n{text}", encoding="utf-8")
+    give("mbm", facts, tables(trials), record)
     raise typer.Exit(int(any(trial.wrong for trial in trials)))
 
 
 main = command(run, "benchmarks mbm")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

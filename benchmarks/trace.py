@@ -84,7 +84,3 @@ def run(show: Annotated[bool, typer.Option("--list", help="Name the files, too."
 
 
 main = command(run, "benchmarks trace")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

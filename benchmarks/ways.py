@@ -4,11 +4,9 @@ What counts is the CPU time of the thread, so that other work on the machine har
 judges find them right.
 """
 
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from statistics import fmean, median
 from time import thread_time
 from typing import Annotated, Any, NamedTuple, TypeVar
@@ -17,7 +15,7 @@ import numpy as np
 import typer
 
 import sinuous as sn
-from benchmarks.harness.command import command
+from benchmarks.harness.command import Alone, Record, command, give
 from benchmarks.harness.experiment import chosen
 from benchmarks.harness.lines import table
 from benchmarks.harness.parallel import ignore_suspicions, in_processes
@@ -29,7 +27,6 @@ from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import feasible, right
 from sinuous.base import checks
 from sinuous.base.checks import Floats
-from sinuous.cli.options import check_writable
 from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.motion.plan import Goal
 from sinuous.solver.options import ATTEMPTS
@@ -251,8 +248,8 @@ WAYS = {
 """What is compared, by name."""
 
 
-def tables(rows: Sequence[Row], against: Mapping[str, str], by_family: bool = True) -> Iterator[str]:
-    """Yield a table: how often and how quickly each way solves, and its time as a part of that of another."""
+def table_of(rows: Sequence[Row], against: Mapping[str, str], by_family: bool = True) -> str:
+    """Return a table: how often and how quickly each way solves, and its time as a part of that of another."""
     headings = ["family", "way", "solved", "wrong", "mean, ms", "median", "p95", "worst", "against", "its time", "p95"]
     cells = [[*headings, "families that it moves"]]
     families = list(dict.fromkeys(row.family for row in rows))
@@ -266,18 +263,15 @@ def tables(rows: Sequence[Row], against: Mapping[str, str], by_family: bool = Tr
             pairs = [(a, b) for a, b in zip(own[against[way]], found, strict=False) if a.solved and b.solved]
             ratios = [b.milliseconds / a.milliseconds for a, b in pairs] or [np.nan]
             moved = [_moved(each, rows, way, against[way]) for each in families] if family == "all" else []
-            cells.append(
-                [
-                    *(family, way, f"{sum(row.solved for row in found)}/{len(found)}"),
-                    *(str(sum(row.wrong for row in found)), *(f"{value:.3g}" for value in times), against[way]),
-                    *(
-                        f"{median(ratios):.3f}",
-                        f"{float(np.quantile(ratios, 0.95)):.2f}",
-                        ", ".join(filter(None, moved)),
-                    ),
-                ]
-            )
-    yield table(cells, words=True)
+            cell = [
+                family,
+                way,
+                f"{sum(row.solved for row in found)}/{len(found)}",
+                str(sum(row.wrong for row in found)),
+            ]
+            cell += [*(f"{value:.3g}" for value in times), against[way], f"{median(ratios):.3f}"]
+            cells.append([*cell, f"{float(np.quantile(ratios, 0.95)):.2f}", ", ".join(filter(None, moved))])
+    return table(cells, words=True)
 
 
 def _moved(family: str, rows: Sequence[Row], way: str, other: str) -> str:
@@ -303,29 +297,24 @@ def run(
     ] = None,
     seed: Annotated[int, typer.Option(help="Of the places.")] = 0,
     count: Annotated[int, typer.Option(help="Places, or targets in one place, of each family.")] = 60,
-    alone: Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")] = False,
-    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the table there, too.")] = None,
+    alone: Alone = False,
+    record: Record = None,
 ) -> None:
     """Compare ways to solve places, family by family; the exit code is 1 when a claim was wrong."""
     checks.choice("NAME", name, tuple(WAYS))
     checks.integer("--seed", seed, 0, 2**31 // 1000 - 1)
     checks.integer("--count", count, 1, 10_000)
-    if record is not None:
-        check_writable("--record", record)
     fitting = chosen(list(FAMILIES), piece or ["*"])
     ignore_suspicions()
     work = partial(_rows, name, seed, count)
     families = [each for each in FAMILIES if each in fitting and (name == "ablation" or not FAMILIES[each].joints)]
     rows = [row for some in in_processes(work, families, alone=alone) for row in some]
-    text = "\n".join(tables(rows, WAYS[name].against, name != "ablation"))
-    typer.echo(text)
-    if record is not None:
-        record.write_text(f"{text}\n", encoding="utf-8")
+    facts = {
+        "seed": str(seed),
+        "protocol": f"{count} places or targets of each family; CPU time of the thread; solved within {LIMIT:g} s",
+    }
+    give(f"ways {name}", facts, table_of(rows, WAYS[name].against, name != "ablation"), record)
     raise typer.Exit(int(any(row.wrong for row in rows)))
 
 
 main = command(run, "benchmarks ways")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

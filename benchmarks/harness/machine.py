@@ -25,13 +25,6 @@ def describe() -> dict[str, str]:
     }
 
 
-def headed(facts: dict[str, str], text: str) -> str:
-    """Return a text below what was measured where: machine and versions, then these facts, a line each."""
-    own = describe()
-    shown = {key: own[key] for key in ("date", "processor", "python", "sinuous", "numba")} | facts
-    return "\n".join(f"- {key}: {value}" for key, value in shown.items()) + f"\n\n{text}\n"
-
-
 def _processor() -> str:
     listing = Path("/proc/cpuinfo")
     if listing.exists():

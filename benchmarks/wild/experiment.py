@@ -9,7 +9,6 @@ from benchmarks.harness.experiment import Divided, Experiment, Plan
 from benchmarks.wild import calls, motions, trials, worlds
 
 SECTION = "wild problems, each with a hidden solution that is clear of obstacles and of itself; budget 1 s"
-THICK = "thick arms (radius 10, segments of 100 to 120, bends to 3.1), targets near the base; budget 1 s"
 AUDIT = (
     "what an audit of the proofs strained, each problem with a hidden solution; budget 1 s, of bounds and huge 0.05 s, "
     "under load 0.2 s, with joints 0.3 s"
@@ -27,15 +26,12 @@ BLOCK, BLOCKS, AUDITED = 22, 100, 10
 MADE, MADES = 100, 5
 """Motions, or calls, of one share; shares of one kind of these, in one round."""
 
-ARMS, ARM_WORLDS = (3, 5, 8), 200
-"""Segments of the thick arms; how many times 50 problems each is given."""
-
-MOST, MOST_THICK = 30, 100
+MOST = 30
 """Of 100,000 problems, how many may be not solved within the budget."""
 
 
 def wild(plan: Plan) -> Experiment:
-    """First what is short: thick arms, what an audit asked for, motions and calls; then wild worlds.
+    """First what is short: what an audit asked for, motions and calls; then wild worlds.
 
     Every round has fresh problems, and all of them are counted together.
     """
@@ -45,10 +41,6 @@ def wild(plan: Plan) -> Experiment:
     def shares(work: Callable[[range], Any], size: int, many: int) -> list[Callable[[], Any]]:
         return [partial(work, range(i * size, (i + 1) * size)) for i in range(many)]
 
-    for n in ARMS:
-        work = partial(trials.tallied, partial(worlds.thick_arm, n, seed))
-        summed = partial(trials.lines_of, THICK, f"{n} segments", MOST_THICK)
-        parts[f"{n} segments"] = Divided(shares(work, count(ARM_WORLDS, 1), 1), summed)
     for kind, make in worlds.AUDITED.items():
         work, summed = partial(trials.tallied, partial(make, seed)), partial(trials.lines_of, AUDIT, kind, math.inf)
         parts[kind] = Divided(shares(work, count(BLOCK, 10), count(AUDITED, 1) * rounds), summed)

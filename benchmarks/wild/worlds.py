@@ -17,10 +17,9 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.kinematics import body_points, segment_ends, tip_poses
+from benchmarks.judges.kinematics import body_points, segment_ends
 from benchmarks.judges.self_collision import Flags, look, surely_clear
 from benchmarks.places.parts.surfaces import Surface, joined
-from benchmarks.problems import direction_targets, random_configurations
 from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
 from benchmarks.wild.robots import TIGHTEST, jointed_robot, jointed_shapes, robot_with_shapes, shapes_of
 from sinuous.base.checks import Floats
@@ -44,9 +43,6 @@ KINDS = {"position": 0.2, "direction": 0.3, "rotation": 0.4, "direction alone": 
 
 INTERMEDIATE = 0.15
 """Share of worlds that ask for the place of another segment's end as well."""
-
-NEAR, TOGETHER = 0.35, 50
-"""Most distance of a target of a thick arm from the base, of its mean length; and problems of one such world."""
 
 
 UNITS = (-9.0, 9.0)
@@ -135,20 +131,6 @@ def target_at(tip: Floats, kind: str) -> sn.Target:
     direction = tip[:3, 2] if kind.startswith("direction") else None
     rotation = tip[:3, :3] if kind.startswith("rotation") else None
     return sn.Target(None if kind.endswith("alone") else tip[:3, 3], direction=direction, rotation=rotation)
-
-
-def thick_arm(n: int, seed: int, number: int) -> World:
-    """Make problems for an arm as thick as a tenth of its segments, near its base: of shapes that are clear of it."""
-    robot, rng = sn.Robot.uniform(n, (100, 120), max_bend=3.1, radius=10), np.random.default_rng([seed, 10, n, number])
-    found = np.empty((0, n, 3))
-    while len(found) < TOGETHER:
-        drawn = random_configurations(robot, 4 * TOGETHER, rng)
-        drawn = drawn[np.linalg.norm(tip_poses(robot, drawn)[:, :3, 3], axis=1) < NEAR * robot.mean_length]
-        tight = (np.hypot(drawn[..., 0], drawn[..., 1]) > drawn[..., 2] / np.array(robot.radii)).any(axis=1)
-        found = np.concatenate([found, drawn[surely_clear(robot, drawn) & ~tight]])
-    q = found[:TOGETHER]
-    targets = [[target] for target in direction_targets(robot, q)]
-    return World(robot, sn.Scene(), sn.Tolerance().for_robot(robot), targets, q)
 
 
 def standing(robot: sn.Robot, drives: Floats) -> Flags:

@@ -64,7 +64,9 @@ def test_places_are_solved_in_all_ways(
     monkeypatch.setattr(ways, "ROUNDS", 1)
     typed = ["ways", name, "--piece", "spheres 12", "--count", "1", "--alone", "--record", str(tmp_path / "table")]
     assert main(typed) == 0
-    rows = [[cell.strip() for cell in line.split("|")] for line in capsys.readouterr().out.splitlines()[2:]]
+    text = capsys.readouterr().out
+    rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| ")][2:]
+    assert (tmp_path / "table").read_text() == f"# ways {name}\n\n{text}"
     assert {row[1] for row in rows} <= {"spheres 12", "all"}
     assert all(row[3].split("/")[0] == row[3].split("/")[1] and row[4] == "0" for row in rows)
 

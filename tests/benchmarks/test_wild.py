@@ -113,7 +113,6 @@ def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) ->
 
 MAKERS = [
     *(partial(worlds.make, 3, number) for number in range(10)),
-    *(partial(worlds.thick_arm, n, 0, 0) for n in (3, 8)),
     *(partial(make, 3, number) for make in worlds.AUDITED.values() for number in range(3)),
 ]
 

@@ -107,11 +107,7 @@ class World:
 def make(seed: int, number: int) -> World:
     """Make world `number` of a seed."""
     rng = np.random.default_rng([seed, 9, number])
-    while True:
-        robot, q = robot_with_shapes(SHAPES, rng)
-        world = _world(robot, list(scene_about(robot, q, rng).obstacles), q, rng) if len(q) else None
-        if world is not None:
-            return world
+    return _about(lambda: robot_with_shapes(SHAPES, rng), rng)
 
 
 def asked(robot: sn.Robot, q: Floats, rng: Generator, kind: str | None = None) -> list[list[sn.Target]]:
@@ -148,32 +144,24 @@ def standing(robot: sn.Robot, drives: Floats) -> Flags:
 def mounts(seed: int, number: int) -> World:
     """Robots whose mount holds short segments that bend and long ones that do not, with obstacles about the mount."""
     rng = np.random.default_rng([seed, 11, number])
-    while True:
+
+    def drawn() -> tuple[sn.Robot, Floats]:
         unit = 10.0 ** rng.uniform(-2.0, 2.0)
         segments = [_uneven(unit, rng) for _ in range(int(rng.integers(2, 7)))]
         longest = sum(segment.length[1] for segment in segments)
         base = sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
         robot = sn.Robot(segments, mount=rng.uniform(0.05, 1.0) * longest, base=base)
-        q = shapes_of(robot, SHAPES, rng)
-        for _ in range(DRAWS if len(q) else 0):
-            points = body_points(robot, q, 12)[0].reshape(-1, 3)
-            balls: list[Obstacle] = []
-            for _ in range(int(rng.integers(1, BALLS))):
-                center = points[rng.integers(len(points))] + 0.2 * unit * rng.normal(size=3)
-                balls.append(sn.Sphere(center, unit * rng.uniform(0.02, 0.5)))
-            world = _world(robot, balls, q, rng)
-            if world is not None:
-                return world
+        unit_of[robot] = unit
+        return robot, shapes_of(robot, SHAPES, rng)
+
+    unit_of: dict[sn.Robot, float] = {}
+    return _beside(drawn, lambda robot, points: _balls(points, unit_of[robot], (0.2, 0.02, 0.5), rng), rng)
 
 
 def units(seed: int, number: int) -> World:
     """Wild worlds whose segments are 1e-9 to 1e9 long."""
     rng = np.random.default_rng([seed, 12, number])
-    while True:
-        robot, q = robot_with_shapes(SHAPES, rng, UNITS)
-        world = _world(robot, list(scene_about(robot, q, rng).obstacles), q, rng) if len(q) else None
-        if world is not None:
-            return world
+    return _about(lambda: robot_with_shapes(SHAPES, rng, UNITS), rng)
 
 
 def huge(seed: int, number: int) -> World:
@@ -212,21 +200,16 @@ def bodies(seed: int, number: int) -> World:
     rng = np.random.default_rng([seed, 14, number])
     if number % 2:
         return _within_wall(rng)
-    while True:
-        robot, q = robot_with_shapes(SHAPES, rng, (-1.0, 1.0))
-        for _ in range(DRAWS if len(q) else 0):
-            points = body_points(robot, q, 12)[0].reshape(-1, 3)
-            size = robot.mean_length * rng.uniform(0.1, 0.6, 3)
-            middle, turn = (
-                points[rng.integers(len(points))] + size * rng.normal(size=3),
-                pose_rotation(rng.normal(size=4)),
-            )
-            share = rng.integers(2) + rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-3.0, -0.5)
-            other = middle + turn @ (share * size * np.eye(3)[rng.integers(3)])
-            both = joined([block_surface(place, 0.5 * size, turn) for place in (middle, other)])
-            world = _world(robot, _solids(both), q, rng)
-            if world is not None:
-                return world
+
+    def two_boxes(robot: sn.Robot, points: Floats) -> list[Obstacle]:
+        size = robot.mean_length * rng.uniform(0.1, 0.6, 3)
+        middle = points[rng.integers(len(points))] + size * rng.normal(size=3)
+        turn = pose_rotation(rng.normal(size=4))
+        share = rng.integers(2) + rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-3.0, -0.5)
+        other = middle + turn @ (share * size * np.eye(3)[rng.integers(3)])
+        return _solids(joined([block_surface(place, 0.5 * size, turn) for place in (middle, other)]))
+
+    return _beside(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), two_boxes, rng)
 
 
 def radii(seed: int, number: int) -> World:
@@ -242,19 +225,15 @@ def radii(seed: int, number: int) -> World:
 
 def bounds(seed: int, number: int) -> World:
     """Fields and grids that know bounds of distances to balls: a share of them, or no more than some value."""
-    rng = np.random.default_rng([seed, 16, number])
-    while True:
-        robot, q = robot_with_shapes(SHAPES, rng, (-1.0, 1.0))
-        for _ in range(DRAWS if len(q) else 0):
-            points, unit = body_points(robot, q, 12)[0].reshape(-1, 3), robot.mean_length
-            balls: list[Obstacle] = []
-            for _ in range(int(rng.integers(1, BALLS))):
-                center = points[rng.integers(len(points))] + 0.3 * unit * rng.normal(size=3)
-                balls.append(sn.Sphere(center, unit * rng.uniform(0.05, 0.4)))
-            world = _world(robot, balls, q, rng)
-            if world is not None:
-                scene = sn.Scene([_bounding(balls, points, unit, rng)])
-                return replace(world, scene=scene, truth=world.scene, time=SHORT)
+    rng, seen = np.random.default_rng([seed, 16, number]), list[Floats]()
+
+    def balls(robot: sn.Robot, points: Floats) -> list[Obstacle]:
+        seen[:] = [points]
+        return _balls(points, robot.mean_length, (0.3, 0.05, 0.4), rng)
+
+    world = _beside(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), balls, rng)
+    scene = sn.Scene([_bounding(list(world.scene.obstacles), seen[0], world.robot.mean_length, rng)])
+    return replace(world, scene=scene, truth=world.scene, time=SHORT)
 
 
 def demands(seed: int, number: int) -> World:
@@ -296,12 +275,12 @@ def loaded(seed: int, number: int) -> World:
 def jointed(seed: int, number: int) -> World:
     """Arms with joints before the segments, or with joints alone."""
     rng = np.random.default_rng([seed, 31, number])
-    while True:
+
+    def drawn() -> tuple[sn.Robot, Floats]:
         robot = jointed_robot(rng)
-        q = jointed_shapes(robot, JOINTED, CLEAR * robot.mean_length, rng)
-        world = _world(robot, list(scene_about(robot, q, rng).obstacles), q, rng) if len(q) else None
-        if world is not None:
-            return replace(world, time=JOINTED_BUDGET)
+        return robot, jointed_shapes(robot, JOINTED, CLEAR * robot.mean_length, rng)
+
+    return replace(_about(drawn, rng), time=JOINTED_BUDGET)
 
 
 AUDITED: dict[str, Callable[[int, int], World]] = {
@@ -317,12 +296,45 @@ AUDITED: dict[str, Callable[[int, int], World]] = {
 }
 
 
+Drawn = Callable[[], tuple[sn.Robot, Floats]]
+"""Draws a robot, and shapes (m, n, 3) of it that are clear of themselves; perhaps none."""
+
+
+def _about(drawn: Drawn, rng: Generator) -> World:
+    """The first world with clear shapes of those with obstacles of every kind about the bodies."""
+    while True:
+        robot, q = drawn()
+        world = _world(robot, list(scene_about(robot, q, rng).obstacles), q, rng) if len(q) else None
+        if world is not None:
+            return world
+
+
+def _beside(drawn: Drawn, obstacles: Callable[[sn.Robot, Floats], list[Obstacle]], rng: Generator) -> World:
+    """The same with obstacles beside points (k, 3) of the bodies; some are drawn before another robot is."""
+    while True:
+        robot, q = drawn()
+        for _ in range(DRAWS if len(q) else 0):
+            world = _world(robot, obstacles(robot, body_points(robot, q, 12)[0].reshape(-1, 3)), q, rng)
+            if world is not None:
+                return world
+
+
 def _world(robot: sn.Robot, obstacles: list[Obstacle], q: Floats, rng: Generator) -> World | None:
     """The world of those shapes that are clear; `None` where none is."""
     scene = sn.Scene(obstacles)
     if obstacles:
         q = q[Clearances(robot, scene).least(q, 0.0) > CLEAR * robot.mean_length]
     return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q) if len(q) else None
+
+
+def _balls(points: Floats, unit: float, sizes: tuple[float, float, float], rng: Generator) -> list[Obstacle]:
+    """Balls near points: how far off, and least and largest radius, in units."""
+    off, low, high = sizes
+    balls: list[Obstacle] = []
+    for _ in range(int(rng.integers(1, BALLS))):
+        center = points[rng.integers(len(points))] + off * unit * rng.normal(size=3)
+        balls.append(sn.Sphere(center, unit * rng.uniform(low, high)))
+    return balls
 
 
 def demanding(robot: sn.Robot, rng: Generator) -> sn.Robot:

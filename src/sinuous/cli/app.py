@@ -131,7 +131,7 @@ class Batch:
 @command("places", "explore_file")
 @dataclass(frozen=True, kw_only=True)
 class Explore:
-    """Fill a memory with shapes and proved motions. Solves and plans in a place that stays begin from them."""
+    """Fill a memory with shapes and proved motions. Later solves and plans in this scene begin from them."""
 
     file: str = argument(PLACE)
     solving: ExploreSolving

@@ -97,7 +97,11 @@ class Demands:
 class Solving:
     """How solves are done."""
 
-    method: str = opt("Algorithm; docs/methods.md has them all.", default="newton", autocompletion=methods_like)
+    method: str = opt(
+        "Algorithm: newton, or a method of the literature, such as dls or fabrikc.",
+        default="newton",
+        autocompletion=methods_like,
+    )
     option: list[str] | None = opt("Option of the algorithm; may be repeated.", "KEY=VALUE")
     time: float = opt("Budget of one solve.", "SECONDS", 1.0)
     max_starts: int | None = opt("Most starts of one solve; else as many as the time allows.", "COUNT")

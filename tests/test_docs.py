@@ -30,6 +30,16 @@ WIDTH = 88
 LESSONS = [DOCS / "index.md", DOCS / "first-steps.md", *sorted((DOCS / "guides").glob("*.md"))]
 
 
+MOST_WORDS = {"docs": 25_000, "docs/design.md": 3_500, "CHANGELOG.md": 1_500, "README.md": 1_000}
+"""Words that pages may have: each fact stands once, what a module does in its docstring."""
+
+
+@with_each("place", MOST_WORDS)
+def test_pages_stay_short(place: str) -> None:
+    pages = PAGES if place == "docs" else [DOCS.parent / place]
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= MOST_WORDS[place]
+
+
 @with_each("page", PAGES)
 def test_links_and_pictures_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):

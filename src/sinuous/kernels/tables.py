@@ -137,7 +137,8 @@ samples of all; how many obstacles were changed since it was made; and where cel
 are none), see `kernels.fields.scene_cells`: last in the store, because they are left out where an obstacle changes.
 
 After this header follow the numbers of the obstacles that are beside the tree, because they have no end or move; the
-number of the obstacle of each box, which may have several; and the nodes."""
+number of the obstacle of each box, which may have several; and the nodes, of `kernels.fields.eight_boxes` eight a
+block."""
 
 TRIANGLES, BALLS, CUBES = range(3)
 """Kinds of items."""

@@ -6,7 +6,7 @@ Greiner 2007). When an obstacle moves, its boxes and those above them are made a
 """
 
 from collections.abc import Collection
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ WASTE = 2.0
 FINE = 0.5
 """Extent of boxes that are not halved, in mean distances of obstacles."""
 
-MORE_BOXES, MOST_HALVES = 3, 6144
+MORE_BOXES, MOST_HALVES = 3, 16384
 """How many boxes there may be more than obstacles, per obstacle and in all."""
 
 PADDING = 1e-12
@@ -83,31 +83,38 @@ def _area(half: Floats) -> Floats:
     return area
 
 
-def _divided(boxes: _Boxes, most: int) -> _Boxes:
-    """Halve boxes that waste much, those first that waste most, until there are so many."""
-    if len(boxes.half) < 2:
-        return boxes
-    extents = boxes.extents
+def _divided(boxes: _Boxes, most: int) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Halve boxes that waste much, those first that waste most, until there are so many.
+
+    Returns the obstacles in them (c,), and centers and half extents (c, 3) along the axes of the world.
+    """
+    count, extents = len(boxes.half), boxes.extents
+    if count < 2:
+        return boxes.owners, boxes.centers, extents
     span = (boxes.centers + extents).max(axis=0) - (boxes.centers - extents).min(axis=0)
-    fine = FINE * float(np.prod(np.maximum(span, 1e-3 * span.max())) / len(boxes.half)) ** (1.0 / 3.0)
-    while len(boxes.half) < most:
-        extents, own = boxes.extents, boxes.half + boxes.rounding[:, None]
-        wasted = _area(extents) - _area(own)
-        large = (wasted > (WASTE - 1.0) * _area(own)) & (extents.max(axis=1) > fine)
+    fine = FINE * float(np.prod(np.maximum(span, 1e-3 * span.max())) / count) ** (1.0 / 3.0)
+    kept = list[tuple[Any, ...]]()
+    while True:
+        own = _area(boxes.half + boxes.rounding[:, None])
+        wasted = _area(extents) - own
+        large = (wasted > (WASTE - 1.0) * own) & (extents.max(axis=1) > fine)
         which = np.flatnonzero(large)
-        which = which[np.argsort(-wasted[which], kind="stable")][: most - len(boxes.half)]
+        if len(which) > most - count:
+            which = which[np.argsort(-wasted[which], kind="stable")][: most - count]
+            large[:] = False
+            large[which] = True
+        kept.append((boxes.owners[~large], boxes.centers[~large], extents[~large]))
         if not len(which):
-            break
-        kept = boxes.take(np.setdiff1d(np.arange(len(boxes.half)), which, assume_unique=True))
-        boxes = _Boxes._make(np.concatenate(both) for both in zip(kept, boxes.take(which).halved(), strict=True))
-    return boxes
+            owners, centers, extents = map(np.concatenate, zip(*kept, strict=True))
+            return owners, centers, extents
+        boxes, count = boxes.take(which).halved(), count + len(which)
+        extents = boxes.extents
 
 
-def _corners(boxes: _Boxes, roundoff: Floats) -> tuple[Floats, Floats]:
+def _corners(centers: Floats, extents: Floats, roundoff: Floats) -> tuple[Floats, Floats]:
     """Low and high corners (c, 3) of boxes along the axes of the world, `roundoff` (c,) wider."""
-    extents = boxes.extents
-    extents += roundoff[:, None] + PADDING * (np.abs(boxes.centers) + extents).sum(axis=1)[:, None]
-    return boxes.centers - extents, boxes.centers + extents
+    wider = extents + (roundoff + PADDING * (np.abs(centers) + extents + roundoff[:, None]).sum(axis=1))[:, None]
+    return centers - wider, centers + wider
 
 
 def _bounded(rows: Floats, boxes: Floats) -> NDArray[np.bool_]:
@@ -132,24 +139,26 @@ def hierarchy(rows: Floats, boxes: Floats, beside: Collection[int] = ()) -> Floa
         return np.zeros(0)
     if SPHERE_COST * len(rows) + (1.0 - SPHERE_COST) * np.count_nonzero(rows[:, t.KIND] != t.SPHERE) < t.MANY_OBSTACLES:
         return np.array([NONE, *[0.0] * (t.HIERARCHY_HEADER - 1)])
+    from sinuous.kernels.fields.eight_boxes import EIGHT  # noqa: PLC0415
     from sinuous.kernels.fields.trees import arrange, enclose  # noqa: PLC0415
 
     inside = _bounded(rows, boxes)
     inside[list(beside)] = False
     owners = np.flatnonzero(inside)
-    own = _divided(_Boxes.read(owners, boxes[owners]), len(owners) + min(MORE_BOXES * len(owners), MOST_HALVES))
-    lows, highs = _corners(own, rows[own.owners, t.ROUNDOFF])
-    count = len(own.owners)
-    levels = max(0, (max(1, count) - 1).bit_length())
+    most = len(owners) + min(MORE_BOXES * len(owners), MOST_HALVES)
+    owners, centers, extents = _divided(_Boxes.read(owners, boxes[owners]), most)
+    lows, highs = _corners(centers, extents, rows[owners, t.ROUNDOFF])
+    count = len(owners)
+    levels = max(2, (max(1, count) - 1).bit_length())
     order, nodes = np.arange(count), np.empty((2 << levels, t.NODE_SIZE))
-    arrange(own.centers.copy(), levels, order)
+    arrange(centers.copy(), levels, order)
     enclose(lows, highs, order, levels, nodes)
     header = np.zeros(t.HIERARCHY_HEADER)
     aside = np.flatnonzero(~inside)
     header[[t.HIERARCHY_OBSTACLES, t.HIERARCHY_LEVELS]] = len(rows), levels
     header[[t.HIERARCHY_BOXES, t.HIERARCHY_BESIDE]] = count, len(aside)
     _sum_up(header, rows, aside)
-    return np.concatenate([header, aside, own.owners[order], nodes.ravel()])
+    return np.concatenate([header, aside, owners[order], nodes.reshape(-1, EIGHT, t.NODE_SIZE).swapaxes(1, 2).ravel()])
 
 
 def _sum_up(header: Floats, rows: Floats, aside: NDArray[np.int64]) -> None:
@@ -197,8 +206,17 @@ def with_cells(rows: Floats, store: Floats, box: Floats, radius: float) -> Float
 
 def bounds(store: Floats) -> Floats:
     """Low and high corner (2, 3) of the tree of a scene that has a hierarchy: of all in it."""
-    root = t.HIERARCHY_HEADER + int(store[t.HIERARCHY_BESIDE] + store[t.HIERARCHY_BOXES]) + t.NODE_SIZE
-    return store[root : root + t.NODE_SIZE].reshape(2, 3)
+    corners: Floats = _nodes(store)[0, :, 1].reshape(2, 3)
+    return corners
+
+
+def _nodes(store: Floats) -> Floats:
+    """Boxes of the tree of a scene that has a hierarchy, a view: box 8 i + j is [i, :, j]."""
+    from sinuous.kernels.fields.eight_boxes import EIGHT  # noqa: PLC0415
+
+    begin = t.HIERARCHY_HEADER + int(store[t.HIERARCHY_BESIDE] + store[t.HIERARCHY_BOXES])
+    end = begin + (t.NODE_SIZE << (1 + int(store[t.HIERARCHY_LEVELS])))
+    return store[begin:end].reshape(-1, t.NODE_SIZE, EIGHT)
 
 
 def without_cells(group: Floats) -> Floats:
@@ -233,9 +251,7 @@ def refit(rows: Floats, store: Floats, index: int, box: Floats) -> bool:
     if inside:
         header[t.HIERARCHY_CHANGES] += 1.0
         places = np.flatnonzero(store[first : first + count] == index)
-        end = first + count + (t.NODE_SIZE << (1 + int(header[t.HIERARCHY_LEVELS])))
-        nodes = store[first + count : end].reshape(-1, t.NODE_SIZE)
-        _put(nodes, places, count, box, float(rows[index, t.ROUNDOFF]))
+        _put(_nodes(store), places, count, box, float(rows[index, t.ROUNDOFF]))
     return True
 
 
@@ -244,13 +260,14 @@ def _put(nodes: Floats, places: NDArray[np.int64], count: int, box: Floats, roun
     own = _Boxes.read(np.zeros(1, np.int64), box[None])
     while 2 * len(own.half) <= len(places):
         own = own.halved()
-    lows, highs = _corners(own, np.full(len(own.half), roundoff))
-    leaves = len(nodes) >> 1
+    lows, highs = _corners(own.centers, own.extents, np.full(len(own.half), roundoff))
+    leaves = nodes.shape[0] * nodes.shape[2] >> 1
     # Leaf j of all has the boxes from (j count) >> levels on: at most one.
     at = leaves + (((places + 1) * leaves - 1) // count)
     which = np.arange(len(places)) % len(lows)
-    nodes[at, :3], nodes[at, 3:] = lows[which], highs[which]
+    nodes[at >> 3, :3, at & 7], nodes[at >> 3, 3:, at & 7] = lows[which], highs[which]
     while len(at) and at[0] > 1:
-        at = np.unique(at >> 1)
-        nodes[at, :3] = np.minimum(nodes[2 * at, :3], nodes[2 * at + 1, :3])
-        nodes[at, 3:] = np.maximum(nodes[2 * at, 3:], nodes[2 * at + 1, 3:])
+        at = at >> 1
+        block, left = at >> 2, 2 * at & 7
+        nodes[at >> 3, :3, at & 7] = np.minimum(nodes[block, :3, left], nodes[block, :3, left + 1])
+        nodes[at >> 3, 3:, at & 7] = np.maximum(nodes[block, 3:, left], nodes[block, 3:, left + 1])

@@ -421,11 +421,18 @@ class HalfSpace(Primitive):
         return None
 
 
+def indices_of(kinds: type | tuple[type, ...], obstacles: Sequence[Obstacle]) -> list[int]:
+    """Indices of the obstacles that are of these kinds; `isinstance` would ask each of them what it derives from."""
+    own = [type(obstacle) for obstacle in obstacles]
+    wanted = {kind for kind in set(own) if issubclass(kind, kinds)}
+    return [i for i, kind in enumerate(own) if kind in wanted]
+
+
 def rows_of(obstacles: Sequence[Primitive]) -> Floats:
     """Rows (m, 33) of many exact obstacles, quicker than one after the other."""
     (centers, half), rounding = np.empty((2, len(obstacles), 3)), np.empty(len(obstacles))
     turns = np.empty((len(obstacles), 3, 3))
-    lines = [i for i, own in enumerate(obstacles) if isinstance(own, Capsule | Cylinder)]
+    lines, boxes = indices_of((Capsule, Cylinder), obstacles), indices_of(Box, obstacles)
     if lines:
         listed: list[Any] = [obstacles[i] for i in lines]
         starts, ends = np.array([own.start for own in listed]), np.array([own.end for own in listed])
@@ -439,15 +446,19 @@ def rows_of(obstacles: Sequence[Primitive]) -> Floats:
         centers[lines], turns[lines] = 0.5 * (starts + ends), least_rotations(ways)
         half[lines] = np.stack([across, across, 0.5 * lengths], axis=1)
         rounding[lines] = np.where(round_ends, radii, 0.0)
-    for i in sorted(set(range(len(obstacles))) - set(lines)):
+    if boxes:
+        listed = [obstacles[i] for i in boxes]
+        centers[boxes], turns[boxes] = [own.center for own in listed], [own.rotation for own in listed]
+        half[boxes], rounding[boxes] = 0.5 * np.array([own.size for own in listed]), 0.0
+    for i in sorted(set(range(len(obstacles))) - set(lines) - set(boxes)):
         centers[i], turns[i], half[i], rounding[i] = obstacles[i].frame
-    kinds, inside = np.array([own._code for own in obstacles]), np.array([own.inside for own in obstacles])
-    return primitive_rows(kinds, inside, centers, turns, half, rounding)
+    codes, inside = np.array([own._code for own in obstacles]), np.array([own.inside for own in obstacles])
+    return primitive_rows(codes, inside, centers, turns, half, rounding)
 
 
 def boxes_of(obstacles: Sequence[Obstacle]) -> dict[int, Floats]:
     """Opposite corners (2, 3) of boxes about obstacles that end somewhere, by their number; of many together."""
-    exact = [i for i, own in enumerate(obstacles) if isinstance(own, Primitive) and own._code != HALF_SPACE]
+    exact = [i for i in indices_of(Primitive, obstacles) if not isinstance(obstacles[i], HalfSpace)]
     if len(exact) < MANY_OBSTACLES:
         return {i: box for i, own in enumerate(obstacles) if (box := own._box) is not None}
     rows = rows_of([obstacles[i] for i in exact])  # type: ignore[misc]  # these are primitives

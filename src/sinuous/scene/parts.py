@@ -182,8 +182,7 @@ def _leaves(levels: int, nodes: Floats) -> float:
 NOTHING = np.empty(0)
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(NamedTuple):
     """What the kernels read of one obstacle.
 
     Attributes

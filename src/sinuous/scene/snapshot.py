@@ -21,7 +21,7 @@ from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.hierarchy import bounds, hierarchy, is_worn, refit, with_cells, without_cells
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
-from sinuous.scene.obstacles import Obstacle, Primitive, boxes_of, rows_of
+from sinuous.scene.obstacles import Obstacle, Primitive, boxes_of, indices_of, rows_of
 from sinuous.scene.parts import NOTHING, Part, prepare, seconds_to_prepare, unsampled
 
 DIFFERENCE = 1e-4
@@ -216,24 +216,24 @@ class Snapshot(Surroundings, Frozen):
 
     def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
         """Prepare each obstacle; where nobody is told of it and it takes long, a bar or a line says so."""
-        exact = {i: own for i, own in enumerate(self._obstacles) if isinstance(own, Primitive)}
-        together = len(exact) >= t.MANY_OBSTACLES  # they are quicker so
-        rows = dict(zip(exact, rows_of(list(exact.values())), strict=True)) if together else {}
+        exact = indices_of(Primitive, self._obstacles)
+        # Many are quicker together.
+        rows = rows_of([self._obstacles[i] for i in exact]) if len(exact) >= t.MANY_OBSTACLES else []  # type: ignore[misc]
+        known = {i: Part(row, NOTHING) for i, row in zip(exact, rows, strict=False)}
 
-        def part(i: int, say: Callable[[str, float], object] | None) -> Part:
-            return Part(rows[i], NOTHING) if i in rows else self._part(i, say)
+        def parts(say: Callable[[str, float], object] | None) -> list[Part]:
+            return [known.get(i) or self._part(i, say) for i in range(len(self))]
 
-        every = range(len(self))
         if progress is not None:
-            return [part(i, progress) for i in every]
-        still = [own.obstacle if isinstance(own, Moving) else own for own in self._obstacles]
-        seconds = [0.0 if i in exact else seconds_to_prepare(own) for i, own in enumerate(still)]
-        if sum(seconds) < LATE:
-            return [part(i, None) for i in every]
-        longest = self.name(int(np.argmax(seconds)))
-        others = " and others" if sum(each > 0.0 for each in seconds) > 1 else ""
-        with estimated(f"preparing {longest}{others}", sum(seconds)) as say:
-            return [part(i, lambda name, share: say(f"preparing {name}", share)) for i in every]
+            return parts(progress)
+        others = ((i, self._obstacles[i]) for i in sorted(set(range(len(self))) - set(exact)))
+        seconds = {i: seconds_to_prepare(own.obstacle if isinstance(own, Moving) else own) for i, own in others}
+        if sum(seconds.values()) < LATE:
+            return parts(None)
+        longest = self.name(max(seconds, key=seconds.__getitem__))
+        several = " and others" if sum(each > 0.0 for each in seconds.values()) > 1 else ""
+        with estimated(f"preparing {longest}{several}", sum(seconds.values())) as say:
+            return parts(lambda name, share: say(f"preparing {name}", share))
 
     def forget(self) -> None:
         """Let go of the array that the kernels read: it is put together again when it is asked for."""
@@ -248,14 +248,14 @@ class Snapshot(Surroundings, Frozen):
     def moves(self) -> bool:
         """Whether an obstacle moves."""
         if self._moves is None:  # every plan asks several times
-            self._set(_moves=any(isinstance(obstacle, Moving) for obstacle in self._obstacles))
+            self._set(_moves=bool(indices_of(Moving, self._obstacles)))
         return bool(self._moves)
 
     @property
     def _functions(self) -> dict[int, Field]:
         """The obstacles that are functions, by their index."""
         if self._fields is None:
-            self._set(_fields={i: own for i, own in enumerate(self._obstacles) if isinstance(own, Field)})
+            self._set(_fields={i: self._obstacles[i] for i in indices_of(Field, self._obstacles)})
         return self._fields or {}
 
     @property

@@ -92,6 +92,20 @@ def test_the_closest_obstacle_is_the_first_of_those_that_are_as_close(cells: boo
                         assert found[0] >= reach
 
 
+@pytest.mark.parametrize("count", [60, 100, 200])  # so the first step of a walk goes one, two and three levels down
+def test_machine_code_finds_what_some_obstacles_at_a_time_find(count: int) -> None:
+    rng = np.random.default_rng(count)
+    obstacles = some(count, rng)
+    scene = sn.Scene([sn.HalfSpace((0.0, 0.0, -9.0), (0.0, 0.0, 1.0)), *obstacles])
+    walk = np.cumsum(rng.normal(scale=0.1, size=(100, 3)), axis=0)
+    points = np.concatenate([places(100, rng), walk, 1e4 * places(5, rng)])
+    for index in (1, 6):
+        groups = [sn.Scene(scene.obstacles[i : i + 40]) for i in range(0, count + 1, 40)]
+        apart = np.min([own.distance(points) for own in groups], axis=0)
+        np.testing.assert_allclose(scene.distance(points), apart, rtol=1e-13, atol=1e-13)  # rows are rounded otherwise
+        scene.move(scene.name(index), (3.0, 3.0, 3.0))
+
+
 @pytest.mark.parametrize("cells", [False, True])
 def test_those_near_are_listed_in_their_order_and_once(cells: bool) -> None:
     rng = np.random.default_rng(3)

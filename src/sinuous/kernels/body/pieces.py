@@ -13,10 +13,10 @@ from sinuous.kernels.fields.hierarchy import (
     LIST_SIZE,
     cell_of,
     item_of,
+    nearer_leaf,
     tree_over,
 )
 from sinuous.kernels.fields.solids import INTERPOLATED, LOWER_BOUND
-from sinuous.kernels.fields.trees import next_leaf
 from sinuous.kernels.maths.vectors import Array, Vec
 from sinuous.kernels.tables import HIERARCHY_HEADER, HIERARCHY_ROUNDOFF, HIERARCHY_SPACING, KIND, RIGID, ROUNDOFF, TREE
 
@@ -114,7 +114,7 @@ def _list_near(scene: Scene, p: Vec, reach: float, among: Array, most: int) -> i
             at = entry
             entry += ENTRY_SIZE
         else:
-            node, due = next_leaf(store, tree, node, due, p, square)
+            node, due = nearer_leaf(store, tree, node, due, p, square)
             if node == 0:
                 return count
             at = item_of(tree, node)

@@ -19,11 +19,12 @@ from sinuous.kernels.fields.hierarchy import (
     LIST_SIZE,
     cell_of,
     item_of,
+    nearer_leaf,
     tree_over,
 )
 from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, UPPER_BOUND
-from sinuous.kernels.fields.trees import lift, next_leaf
+from sinuous.kernels.fields.trees import lift
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 
@@ -172,10 +173,13 @@ def work_of_all(scene: Scene) -> int:
     return units
 
 
+SURELY = 1e-9
+"""By what share a bound is increased that arithmetic may have made too small."""
+
 TIE = 2.0**-50
 """By what share a distance is increased where another one that is the same should be found, too."""
 
-next_leaf_here = inline(next_leaf)
+nearer_leaf_here = inline(nearer_leaf)
 
 
 @shared
@@ -204,7 +208,7 @@ def search(scene: Scene, p: Vec, reach: float, mode: int, side: float, skipped: 
             at = entry
             entry += ENTRY_SIZE
         else:
-            node, due = next_leaf_here(store, tree, node, due, p, max(lift(least), LEAST_SQUARE))
+            node, due = nearer_leaf_here(store, tree, node, due, p, max(lift(least), LEAST_SQUARE))
             if node == 0:
                 return least, most, which
             at = item_of(tree, node)
@@ -278,9 +282,15 @@ def many(
     uncertain = False
     for i in range(table.shape[0]):
         uncertain = uncertain or table[i, t.KIND] == t.SAMPLES
+    d, there = math.inf, (0.0, 0.0, 0.0)
     for j in range(points.shape[0]):
         p = get_vec(points, j, 0)
-        values[j], which[j] = nearest(scene, p)
+        # Points are often in a row: then this one is no farther away than the last one and the way from there.
+        reach = d + (1.0 + SURELY) * norm(sub(p, there)) + SURELY * abs(d)
+        d, found = closest(scene, p, reach, EXACT)
+        if not (d < reach or reach == math.inf):
+            d, found = nearest(scene, p)
+        values[j], which[j], there = d, found, p
         above[j] = closest(scene, p, math.inf, UPPER_BOUND)[0] if uncertain else values[j]
         if which[j] >= 0:
             _, g = slope(scene, which[j], p, math.inf, EXACT)

@@ -7,6 +7,7 @@ distance, is out of its boxes: so who is farther from all of them than from anot
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.compile import inline
+from sinuous.kernels.fields.eight_boxes import BLOCK, EIGHT, nearest_of_eight
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.maths.vectors import Array, Vec, norm
 
@@ -57,20 +58,45 @@ def item_of(tree: Tree, node: int) -> int:
     return tree.items + first if first < ((leaf + 1) * tree.count) >> tree.levels else -1
 
 
+def nearer_leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) -> tuple[int, int]:
+    """Go on from a leaf (0: from the root) to the next whose box has a distance to `p` with a square less than `best`.
+
+    One step goes three levels down, to the nearest of the nodes 8i to 8i + 7 below node i; the first takes what is left
+    of the levels. Returns the leaf, or 0 where there is none; and eight bits for each step to it, after a 1: which of
+    the eight are still to be visited.
+    """
+    if node == 0:
+        first = 1 << tree.levels % 3
+        node, due = (1, 511) if first == 1 else (0, 256 + (1 << 2 * first) - (1 << first))
+    else:
+        node >>= 3
+    while True:
+        while due & 255 == 0:
+            node, due = node >> 3, due >> 8
+            if due == 1:
+                return 0, due
+        found, near = nearest_of_eight(store, tree.nodes + BLOCK * node, p, best, due & 255)
+        due = (due | 255) - 255
+        if found != 0:
+            due += found - (1 << near)
+            node = EIGHT * node + near
+            if node >= 1 << tree.levels:
+                return node, due
+            due = 256 * due + 255
+
+
 def _meets(store: Array, at: int, p: Vec, line: Vec, room: float) -> bool:
     """Whether the straight line from `p` on comes within some room of the box at `at`, or nearly (Ericson 2005)."""
-    if store[at] > store[at + 3]:  # the box of an empty leaf
+    low = store[at], store[at + EIGHT], store[at + 2 * EIGHT]
+    high = store[at + 3 * EIGHT], store[at + 4 * EIGHT], store[at + 5 * EIGHT]
+    if low[0] > high[0]:  # the box of an empty leaf
         return False
     x, y, z = abs(0.5 * line[0]), abs(0.5 * line[1]), abs(0.5 * line[2])
-    a, b, c = (
-        0.5 * (store[at + 3] - store[at]),
-        0.5 * (store[at + 4] - store[at + 1]),
-        0.5 * (store[at + 5] - store[at + 2]),
-    )
+    a, b, c = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
     a, b, c = a + room, b + room, c + room
-    u = p[0] + 0.5 * line[0] - 0.5 * (store[at] + store[at + 3])
-    v = p[1] + 0.5 * line[1] - 0.5 * (store[at + 1] + store[at + 4])
-    w = p[2] + 0.5 * line[2] - 0.5 * (store[at + 2] + store[at + 5])
+    u = p[0] + 0.5 * line[0] - 0.5 * (low[0] + high[0])
+    v = p[1] + 0.5 * line[1] - 0.5 * (low[1] + high[1])
+    w = p[2] + 0.5 * line[2] - 0.5 * (low[2] + high[2])
     if abs(u) > a + x or abs(v) > b + y or abs(w) > c + z:
         return False
     slack = 1e-12 * (a + b + c + abs(u) + abs(v) + abs(w)) * (x + y + z)
@@ -96,6 +122,6 @@ def crossed_leaf(store: Array, tree: Tree, node: int, p: Vec, line: Vec, room: f
             if node == 0:
                 return 0
             node += 1
-        descend = _meets_here(store, tree.nodes + t.NODE_SIZE * node, p, line, room)
+        descend = _meets_here(store, tree.nodes + BLOCK * (node >> 3) + (node & 7), p, line, room)
         if descend and node >= 1 << tree.levels:
             return node

@@ -98,7 +98,7 @@ _CROWDS: dict[str, tuple[Trap, str]] = {
     "hoops": (media.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
     "cables": (media.cables, "trays of curved cables, hundreds of capsules"),
     "profiles": (media.profiles, "a frame of hundreds of profiles, boxes and cylinders"),
-    "assembly": (media.assembly, "dozens of bars that one mesh holds"),
+    "assembly": (media.assembly, "hundreds of pieces of a machine, in one mesh or a mesh each"),
 }
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
 _STAGED: dict[str, tuple[Draw, str]] = {

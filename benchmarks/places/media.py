@@ -12,8 +12,8 @@ from numpy.random import Generator
 from scipy.spatial import ConvexHull, cKDTree
 
 import sinuous as sn
-from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape, keeps_from_itself
-from benchmarks.places.parts.surfaces import Surface, around, joined, solid, tube
+from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, keeps_from_itself
+from benchmarks.places.parts.surfaces import Surface, around, blind_bore, joined, loft, open_tube, plate, solid, tube
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
@@ -209,8 +209,9 @@ CABLES, SAG = (4, 12), 0.3
 PROFILE, PROFILE_LENGTH = (0.3, 1.0), (4.0, 20.0)
 """Edges of the section of profiles, and their length."""
 
-BAR, BAR_LENGTH, BARS = (0.2, 0.9), (4.0, 25.0), (50, 150)
-"""Radius of the bars of an assembly, their length, and how many are drawn. All lengths are in radii of the body."""
+PIECE, PIECE_LENGTH, PIECES, PIECE_WALL = (0.2, 0.9), (4.0, 25.0), (100, 400), 0.3
+"""Radius of the pieces of an assembly, length of long ones, how many there are at most, and thickness of walls in radii
+of a piece. All other lengths are in radii of the body."""
 
 
 def rods(robot: sn.Robot, rng: Generator) -> Sketch:
@@ -297,19 +298,75 @@ def profiles(robot: sn.Robot, rng: Generator) -> Sketch:
 
 
 def assembly(robot: sn.Robot, rng: Generator) -> Sketch:
-    """Stand the shape among bars that are bodies of one mesh, as a reader of STL files divides it."""
+    """Stand the shape among pieces of a machine: bodies of one mesh, as of one file, or meshes of their own."""
     q, curve, radius = _drawn(robot, rng)
-    bars = []
-    for place in _places(curve, radius, int(rng.integers(*BARS)), rng):
-        half, thickness = 0.5 * radius * rng.uniform(*BAR_LENGTH) * _way(rng), radius * rng.uniform(*BAR)
-        capsule = sn.Capsule(place - half, place + half, 1.1 * thickness)
-        if float(measure(capsule, curve.points).min()) > CROWD_LEEWAY * radius:
-            pose = sn.pose(direction=half)
-            ends = np.array([pose, pose])
-            ends[:, :3, 3] = place - half, place + half
-            bars.append(tube(ends, thickness, sides=8, caps=2))
-    bodies = solid(joined(bars), "assembly").bodies() if bars else ()
-    return sketch_of(robot, bodies, q, rng)
+    made = [bar, bolt, bracket, pipe, housing, washer]
+    wanted, kept = int(rng.integers(*PIECES)), list[sn.Mesh]()
+    for place in _places(curve, radius, MADE * wanted, rng):
+        size = radius * rng.uniform(*PIECE)
+        piece = made[int(rng.integers(len(made)))](size, radius * rng.uniform(*PIECE_LENGTH), rng)
+        turn = sn.pose(rotation=rng.normal(size=4))[:3, :3]
+        corners = (piece.vertices - piece.vertices.mean(axis=0)) @ turn.T + place
+        mesh = solid(Surface(corners, piece.faces), f"piece {len(kept)}")
+        reach = float(np.linalg.norm(corners - place, axis=1).max()) + LEEWAY * radius
+        near = curve.points[np.linalg.norm(curve.points - place, axis=1) < reach]
+        if not len(near) or float(measure(mesh, near).min()) > LEEWAY * radius:
+            kept.append(mesh)
+        if len(kept) == wanted:
+            break
+    if kept and rng.random() < 0.5:
+        one = joined([Surface(mesh.vertices, mesh.faces) for mesh in kept])
+        return sketch_of(robot, solid(one, "assembly").bodies(), q, rng)
+    return sketch_of(robot, kept, q, rng)
+
+
+def bar(size: float, length: float, _: Generator) -> Surface:
+    """Return a bar with round ends, of some radius and length."""
+    return tube(_line(length), size, sides=8, caps=2)
+
+
+def bolt(size: float, length: float, _: Generator) -> Surface:
+    """Return a bolt with a head of six sides."""
+    return _turned(
+        [(size, 0.0), (size, 0.5 * length), (1.8 * size, 0.5 * length), (1.8 * size, 0.5 * length + size)], 6
+    )
+
+
+def bracket(size: float, length: float, rng: Generator) -> Surface:
+    """Return an angle of two flanges."""
+    wide, flange, thick = 0.3 * length, size * rng.uniform(2.0, 6.0), PIECE_WALL * size
+    outline = [(0.0, 0.0), (flange, 0.0), (flange, thick), (thick, thick), (thick, flange), (0.0, flange)]
+    rings = np.array([[(*point, height) for point in outline] for height in (0.0, wide)])
+    return loft(rings, np.array([(0.5 * thick, 0.5 * thick, height) for height in (0.0, wide)]))
+
+
+def pipe(size: float, length: float, rng: Generator) -> Surface:
+    """Return a pipe with a bend, open at both ends."""
+    bend = rng.uniform(0.2, 1.5)
+    return open_tube(arc(np.eye(4), np.array([bend, 0.0, length]), 7), size, (1.0 + PIECE_WALL) * size, sides=12)
+
+
+def housing(size: float, _: float, rng: Generator) -> Surface:
+    """Return a block with a bore."""
+    hole = size * rng.uniform(1.0, 4.0)
+    return blind_bore(np.eye(4), hole, 2.0 * hole, 1.4 * hole, 0.4 * hole, sides=16)
+
+
+def washer(size: float, _: float, rng: Generator) -> Surface:
+    """Return a plate with a hole."""
+    hole = size * rng.uniform(1.0, 6.0)
+    return plate(np.eye(4), 2.0 * hole, hole, PIECE_WALL * size, sides=16)
+
+
+def _line(length: float) -> Floats:
+    return np.array([np.eye(4), sn.pose((0.0, 0.0, length))])
+
+
+def _turned(outline: list[tuple[float, float]], sides: int) -> Surface:
+    """Return what has this outline of radii and heights, with flat ends."""
+    turns = 2.0 * math.pi * np.arange(sides) / sides
+    rings = [[(r * math.cos(turn), r * math.sin(turn), z) for turn in turns] for r, z in outline]
+    return loft(np.array(rings), np.array([(0.0, 0.0, outline[0][1]), (0.0, 0.0, outline[-1][1])]))
 
 
 def _turn(rng: Generator) -> Floats:

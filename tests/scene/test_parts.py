@@ -5,6 +5,8 @@ import threading
 import numpy as np
 import pytest
 
+import sinuous as sn
+from sinuous.kernels.tables import MANY_OBSTACLES
 from sinuous.scene import parts
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
@@ -16,7 +18,7 @@ from tests.scene import shapes
 def test_one_obstacle_is_prepared_once(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
 
-    def slow(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
+    def slow(obstacle: Obstacle, name: str, progress: Progress | None, sharing: int) -> Part:
         made.append(name)
         threading.Event().wait(0.05)
         return Part(np.zeros(18), np.zeros(0))
@@ -29,3 +31,20 @@ def test_one_obstacle_is_prepared_once(monkeypatch: pytest.MonkeyPatch) -> None:
     for thread in threads:
         thread.join()
     assert made == ["one"]
+
+
+def test_small_meshes_have_cells_of_their_own_unless_there_are_many() -> None:
+    rng = np.random.default_rng(0)
+    vertices, faces = shapes.cube(0.6)
+    meshes = [Mesh(vertices + 4.0 * rng.random(3), faces) for _ in range(MANY_OBSTACLES)]
+    points = 5.0 * rng.random((50, 3)) - 0.5
+    scene, few = sn.Scene(meshes), sn.Scene(meshes[:3])
+    boxes = sn.Scene([sn.Box(mesh.vertices.mean(axis=0), np.ptp(mesh.vertices, axis=0)) for mesh in meshes])
+    np.testing.assert_allclose(scene.distance(points), boxes.distance(points), rtol=1e-12, atol=1e-12)
+    sizes = [len(own.snapshot()._kernel_group) for own in (scene, few)]
+    assert sizes[0] < 1000 * len(scene)
+    assert sizes[1] > 50_000 * len(few)
+    # What is prepared serves for a scene of one more.
+    prepared = scene.snapshot()._prepared()
+    again = sn.Scene([*meshes, sn.Sphere((9.0, 0.0, 0.0), 1.0)]).snapshot()._prepared()
+    assert all(now is before for now, before in zip(again, prepared, strict=False))

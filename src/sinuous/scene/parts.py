@@ -136,17 +136,21 @@ NO_NORMALS = np.empty((0, 21))
 def triangles(mesh: Mesh) -> Pieces:
     """Triangles of a mesh, with normals where it is watertight."""
     vertices, faces = mesh.vertices, mesh.faces
+    large = mesh.watertight and len(faces) >= sampling.FEWEST_PIECES
     with ThreadPoolExecutor(1) as beside:  # NumPy works on large arrays without the interpreter's lock
-        normals = beside.submit(part_normals, vertices, faces) if mesh.watertight else None
+        later = beside.submit(part_normals, vertices, faces) if large else None
         corners = vertices[faces]
         order, levels, nodes = tree_of_boxes(corners.mean(axis=1), *boxes_of(corners))
         items = with_planes(corners[order])
+    normals = NO_NORMALS
+    if mesh.watertight:
+        normals = part_normals(vertices, faces) if later is None else later.result()
     return Pieces(
         TRIANGLES,
         levels,
         nodes,
         items,
-        NO_NORMALS if normals is None else normals.result()[order].reshape(-1, 21),
+        normals[order].reshape(-1, 21) if mesh.watertight else normals,
         sign=-1.0 if mesh.inside else 1.0,
         rounding=mesh.half_thickness,
     )
@@ -216,11 +220,11 @@ class Part(NamedTuple):
 class _Entry:
     """What is prepared of one obstacle, and the lock of whoever prepares it."""
 
-    __slots__ = ("lock", "order", "part")
+    __slots__ = ("lock", "order", "parts")
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.part: Part | None = None
+        self.parts: dict[int, Part] = {}  # by how many share samples
         self.order: LeafOrder | None = None
 
 
@@ -237,8 +241,23 @@ def _entry(obstacle: Obstacle) -> _Entry:
         return entry
 
 
-def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> Part:
-    """Make what the kernels read of an obstacle, once for all scenes that it is in.
+UNSAMPLED = 0
+"""Stands for how many share samples where there are none."""
+
+
+def _sharing(obstacle: Obstacle, many: int) -> int:
+    """How many obstacles share the samples of one: parts of one mesh, or all of a scene with so `many` in its store.
+
+    Rounded up to a power of two, so that adding some to a scene does not change all others.
+    """
+    own = obstacle.together if isinstance(obstacle, Mesh) else 1
+    return max(own, 1 << (many - 1).bit_length()) if many >= t.MANY_OBSTACLES else own
+
+
+def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None, many: int = 1) -> Part:
+    """Make what the kernels read of an obstacle, once for all scenes that it is in and that have about as `many`.
+
+    `many` counts what is in the store: meshes, clouds and grids.
 
     Raises
     ------
@@ -249,23 +268,24 @@ def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> 
         return Part(obstacle.row, NOTHING)
     if obstacle.place is not None:
         root, pose = obstacle.place
-        return put(prepare(root, name, progress), pose)
-    entry = _entry(obstacle)
+        return put(prepare(root, name, progress, many), pose)
+    entry, sharing = _entry(obstacle), _sharing(obstacle, many)
     with entry.lock:
-        if entry.part is None:
-            entry.part = _prepare(obstacle, name, progress)
-        return entry.part
+        part = entry.parts.get(UNSAMPLED) or entry.parts.get(sharing)
+        if part is None:
+            part = entry.parts[sharing] = _prepare(obstacle, name, progress, sharing)
+        return part
 
 
-def seconds_to_prepare(obstacle: Obstacle) -> float:
+def seconds_to_prepare(obstacle: Obstacle, many: int) -> float:
     """How long `prepare` will take, about, where nothing is kept on disk."""
     if obstacle.place is not None:
-        return seconds_to_prepare(obstacle.place[0])
-    if not isinstance(obstacle, Mesh | PointCloud) or _entry(obstacle).part is not None:
+        return seconds_to_prepare(obstacle.place[0], many)
+    if not isinstance(obstacle, Mesh | PointCloud) or _entry(obstacle).parts:
         return 0.0
     of_mesh = isinstance(obstacle, Mesh)
     pieces = len(obstacle.faces) if isinstance(obstacle, Mesh) else len(obstacle.points)
-    samples = sampling.sample_count(of_mesh, pieces, obstacle.together if isinstance(obstacle, Mesh) else 1)
+    samples = sampling.sample_count(of_mesh, pieces, _sharing(obstacle, many))
     return sampling.SAMPLE_SECONDS * samples + PIECE_SECONDS * pieces
 
 
@@ -290,31 +310,33 @@ def unsampled(obstacle: PointCloud | Mesh, before: PointCloud | None = None) -> 
         return put(unsampled(root), pose)
     entry = _entry(obstacle)
     with entry.lock:
-        if entry.part is None:
+        if not entry.parts:
             like = None if before is None else _entry(before).order
             made = triangles(obstacle) if isinstance(obstacle, Mesh) else balls(obstacle, like)
-            entry.part, entry.order = _of_pieces(made), made.order
-        return entry.part
+            entry.parts[UNSAMPLED], entry.order = _of_pieces(made), made.order
+        return next(iter(entry.parts.values()))
 
 
-def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
+def _prepare(obstacle: Obstacle, name: str, progress: Progress | None, sharing: int) -> Part:
     if isinstance(obstacle, Field) or (isinstance(obstacle, Grid) and not obstacle.occupancy):
         return _of_samples(obstacle.values, obstacle.origin, obstacle.spacing, obstacle.exact_below)
     if isinstance(obstacle, Grid):
         occupied = np.argwhere(obstacle.values)
-        return _sampled(cubes(obstacle.origin + obstacle.spacing * occupied, obstacle.spacing), progress)
+        return _sampled(cubes(obstacle.origin + obstacle.spacing * occupied, obstacle.spacing), progress, sharing)
     if isinstance(obstacle, PointCloud):
-        return _sampled(balls(obstacle), progress)
+        return _sampled(balls(obstacle), progress, sharing)
     if isinstance(obstacle, Mesh):
         pieces = triangles(obstacle)
         small = len(pieces.items) < sampling.FEWEST_PIECES
+        # Cells are 2 MB each, take as long as a hundred solves, and halve the time of a distance: not for many.
+        own = _with_candidates if sharing < t.MANY_OBSTACLES else _of_pieces
         if small and not obstacle.watertight:
-            return _with_candidates(pieces)
+            return own(pieces)
         # Of a small one, too: samples tell whether its sides are as its normals say.
-        part = _sampled(pieces, progress, obstacle.together)
+        part = _sampled(pieces, progress, sharing)
         if obstacle.watertight:
             _check_sides(obstacle, part, name)
-        return _with_candidates(pieces) if small else part
+        return own(pieces) if small else part
     raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
 
 
@@ -348,12 +370,12 @@ def _box_of(pieces: Pieces) -> Floats:
     return np.concatenate([center, turn.ravel(), half + PADDING * np.abs(center).sum(), [pieces.rounding]])
 
 
-def _sampled(pieces: Pieces, progress: Progress | None, together: int = 1) -> Part:
-    """Row and store of a tree with samples, of which so many obstacles `together` have no more than one."""
+def _sampled(pieces: Pieces, progress: Progress | None, sharing: int) -> Part:
+    """Row and store of a tree with samples, see `_sharing`."""
     part = _of_pieces(pieces)
     if not len(pieces.items):
         return part
-    wanted = sampling.sample_count(pieces.kind == TRIANGLES, len(pieces.items), together)
+    wanted = sampling.sample_count(pieces.kind == TRIANGLES, len(pieces.items), sharing)
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, wanted)
     row = _with_grid(part.row, t.FIRST_SAMPLE, -1, shape, low, spacing)
     values = sampling.sample(row, part.store, low, spacing, shape, progress)

@@ -15,7 +15,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import draft_of
 from sinuous.base.progress import work_time
 from sinuous.base.system import places, writable
-from sinuous.kernels.tables import ITEM_COUNT, ITEM_KIND, LEVELS, TRIANGLES
+from sinuous.kernels.tables import ITEM_COUNT, ITEM_KIND, LEVELS, MANY_OBSTACLES, TRIANGLES
 
 MOST_FILES = 32
 """Files kept; the oldest go first."""
@@ -84,10 +84,13 @@ MANY_TRIANGLES, MOST_OF_MANY = 100_000, 2**19
 coarser there, and what they leave undecided is decided exactly."""
 
 FEWEST = 2**15
-"""Samples of a part of a mesh, at least about so many: its parts share those of one."""
+"""Samples of one that shares with others, at least about so many: see `parts`."""
 
 SAMPLE_SECONDS = 6e-7
 """Seconds that a sample takes, about."""
+
+FOR_SIDES = 2**12
+"""Samples of a small mesh that shares with many: none is kept, they only tell whether its sides are as they should."""
 
 PAD = 3
 """Cells around the box of the obstacle."""
@@ -104,10 +107,12 @@ VERSION = 2
 """Raised when the samples of the same obstacle come out differently."""
 
 
-def sample_count(of_triangles: bool, pieces: int, together: int = 1) -> int:
-    """How many samples an obstacle of so many primitives has, of which so many `together` are one mesh."""
-    most = MOST_OF_MANY if of_triangles and pieces * together > MANY_TRIANGLES else MOST
-    return max(min(max(PER_PIECE * pieces, LEAST), most) // together, FEWEST if together > 1 else 0)
+def sample_count(of_triangles: bool, pieces: int, sharing: int) -> int:
+    """How many samples an obstacle of so many primitives has, where so many share those of one."""
+    if of_triangles and pieces < FEWEST_PIECES and sharing >= MANY_OBSTACLES:
+        return FOR_SIDES
+    most = MOST_OF_MANY if of_triangles and pieces * sharing > MANY_TRIANGLES else MOST
+    return max(min(max(PER_PIECE * pieces, LEAST), most) // sharing, FEWEST if sharing > 1 else 0)
 
 
 def sampling_grid(low: Floats, high: Floats, most: int) -> tuple[Floats, float, tuple[int, int, int]]:
@@ -171,6 +176,9 @@ def _compute(
     began = work_time()
     steps = np.linspace(0, shape[0], SLABS + 1).astype(int)
     cuts = np.unique([*(steps[:-1] // EDGE * EDGE), shape[0]]).tolist()
+    if values.size <= FEWEST:  # sooner than threads are begun
+        solids.sample(table, store, discs, np.empty(WORKSPACE), 0, shape[0], values)
+        return values, work_time() - began
     with ThreadPoolExecutor(min(THREADS, os.cpu_count() or 1)) as threads:
         slabs = [
             threads.submit(solids.sample, table, store, discs, np.empty(WORKSPACE), first, last, values)

@@ -103,6 +103,11 @@ class Surroundings:
         return self.snapshot()._query(points)[2]
 
 
+def _still(obstacle: Obstacle) -> Obstacle:
+    """What moves, as it is described."""
+    return obstacle.obstacle if isinstance(obstacle, Moving) else obstacle
+
+
 def group_of(parts: Sequence[Part], beside: Collection[int] = ()) -> Floats:
     """What the kernels read of all obstacles; those that are `beside` the hierarchy may be moved in it."""
     rows = np.array([part.row for part in parts], np.float64).reshape(-1, t.OBSTACLE_WIDTH)
@@ -216,18 +221,18 @@ class Snapshot(Surroundings, Frozen):
 
     def _all_parts(self, progress: Callable[[str, float], object] | None) -> list[Part]:
         """Prepare each obstacle; where nobody is told of it and it takes long, a bar or a line says so."""
-        exact = indices_of(Primitive, self._obstacles)
-        # Many are quicker together.
-        rows = rows_of([self._obstacles[i] for i in exact]) if len(exact) >= t.MANY_OBSTACLES else []  # type: ignore[misc]
-        known = {i: Part(row, NOTHING) for i, row in zip(exact, rows, strict=False)}
+        exact, stored = indices_of(Primitive, self._obstacles), self._stored
+        known = dict[int, Part]()
+        if len(exact) >= t.MANY_OBSTACLES:  # they are quicker together
+            listed: list[Any] = [self._obstacles[i] for i in exact]
+            known = {i: Part(row, NOTHING) for i, row in zip(exact, rows_of(listed), strict=True)}
 
         def parts(say: Callable[[str, float], object] | None) -> list[Part]:
-            return [known.get(i) or self._part(i, say) for i in range(len(self))]
+            return [known.get(i) or self._part(i, say, len(stored)) for i in range(len(self))]
 
         if progress is not None:
             return parts(progress)
-        others = ((i, self._obstacles[i]) for i in sorted(set(range(len(self))) - set(exact)))
-        seconds = {i: seconds_to_prepare(own.obstacle if isinstance(own, Moving) else own) for i, own in others}
+        seconds = {i: seconds_to_prepare(own, len(stored)) for i, own in stored.items()}
         if sum(seconds.values()) < LATE:
             return parts(None)
         longest = self.name(max(seconds, key=seconds.__getitem__))
@@ -293,16 +298,21 @@ class Snapshot(Surroundings, Frozen):
             return self
         there = tuple(standing_at(self._obstacles, when))
         each = zip(there, self._obstacles, self._prepared(), strict=True)
-        parts = [part if own is old else prepare(own, "") for own, old, part in each]
+        stored = len(self._stored)
+        parts = [part if own is old else prepare(own, "", None, stored) for own, old, part in each]
         return Snapshot(there, parts)
 
-    def _part(self, index: int, progress: Callable[[str, float], object] | None) -> Part:
-        obstacle = self._obstacles[index]
-        still = obstacle.obstacle if isinstance(obstacle, Moving) else obstacle
-        if isinstance(still, Primitive):
-            return prepare(still, "")
+    def _part(self, index: int, progress: Callable[[str, float], object] | None, stored: int) -> Part:
         name = self.name(index)
-        return prepare(still, name, None if progress is None else partial(progress, name))
+        told = None if progress is None else partial(progress, name)
+        return prepare(_still(self._obstacles[index]), name, told, stored)
+
+    @property
+    def _stored(self) -> dict[int, Obstacle]:
+        """What is in the store, as it stands still, by its index: all that is not exact."""
+        others = sorted(set(range(len(self))) - set(indices_of(Primitive, self._obstacles)))
+        still = {i: _still(self._obstacles[i]) for i in others}
+        return {i: own for i, own in still.items() if not isinstance(own, Primitive)}
 
     def replaced(
         self, index: int, obstacle: Obstacle, part: Part | None = None, group: Floats | None = None
@@ -311,10 +321,15 @@ class Snapshot(Surroundings, Frozen):
 
         `part` is what kernels read of it, and `group` what they read of the whole scene then, where that is known.
         """
-        own = prepare(obstacle, "") if part is None else part
-        known = self._parts or [own if i == index else self._part(i, None) for i in range(len(self))]
-        parts = [*known[:index], own, *known[index + 1 :]]
-        snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]), parts)
+        changed = (*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :])
+        if self._parts is None:
+            snapshot = Snapshot(changed)
+            snapshot.prepare()
+            return snapshot
+        if part is None:
+            part = prepare(obstacle, "", None, 1 if isinstance(obstacle, Primitive) else len(self._stored))
+        known, own = self._parts, part
+        snapshot = Snapshot(changed, [*known[:index], own, *known[index + 1 :]])
         snapshot._set(_group=self._group_with(index, known[index], own) if group is None else group)
         if obstacle.name == self._obstacles[index].name:
             snapshot._set(_named=self._named)

@@ -534,6 +534,8 @@ class _Surface(NamedTuple):
         Only pairs of the `same` body (k,), or of two, are held against each other.
         """
         tree = self._tree(those, body)
+        if len(those) <= SHARE:  # of hundreds of small meshes, threads take longer to begin
+            return self._touching(tree, 0, same)
         with ThreadPoolExecutor(THREADS) as threads:
             shares = [threads.submit(self._touching, tree, first, same) for first in range(0, len(those), SHARE)]
             try:

@@ -65,7 +65,8 @@ def _typed(context: Any, store: Any, at: Any, p: Any, best: Any, among: Any) -> 
         nearest = builder.and_(builder.extract_element(keys, ir.Constant(_LANE, 0)), ir.Constant(_WHOLE, EIGHT - 1))
         return context.make_tuple(builder, signature.return_type, [found, nearest])
 
-    return types.UniTuple(types.int64, 2)(store, at, p, best, among), build
+    pair: Any = types.UniTuple(types.int64, 2)  # type: ignore[no-untyped-call]
+    return pair(store, at, p, best, among), build
 
 
 nearest_of_eight: Any = intrinsic("nearest_of_eight", _typed, _in_python)

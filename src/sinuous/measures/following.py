@@ -1,8 +1,7 @@
-"""How far a body is off a curve that it should follow, by sampling; kinematics are those of SciPy's rotations.
+"""How far a body is off a curve that it should follow, by sampling; and the way between knots, looked at densely.
 
-The way between knots, linear in q, looked at densely: how near the body comes to obstacles and to itself.
-
-Kinematics are those of SciPy's rotations, see `following`; distances are those of `obstacles`.
+Ways are linear in q; it is looked how near the body comes to obstacles and to itself. Kinematics are those of SciPy's
+rotations, distances those of `obstacles`.
 """
 
 import math

@@ -1,10 +1,10 @@
-"""Whether a shape is at rest under its loads: virtual work, by differences of the potential energy. No kernel is used.
+"""Whether a shape is at rest under its loads: virtual work, by differences of the potential energy.
 
 Arcs, their centers of gravity and the holes of tendons are put together from rotations; see `imbalance`.
 
-Whether tensions within their limits hold a shape without load: a linear program for each. No kernel is used.
+Whether tensions within their limits hold a shape without load is a linear program for each. No kernel is used.
 
-Of the lines of `Robot.segments` it asks what `model.elastic` answers in closed form: how much wider limits would have
+Of the lines of `Robot.segments` that asks what `model.elastic` answers in closed form: how much wider limits would have
 to be. Arms, moments and displacements are written out from the segments once more.
 """
 

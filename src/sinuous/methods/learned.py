@@ -1,18 +1,16 @@
-"""What was learned of one robot: a small network for each kind of target, from its numbers to a shape.
+"""The method `learned`: the answer of a network, then damped steps from it; the networks, and their training.
 
-Training: targets of drawn shapes are solved, and a network learns which shape belongs to which target.
-
-A perceptron that learned the drawn shapes themselves would learn the mean of all that meet a target, which misses it.
-So each target is solved by our own method, always from the same start: its answers change little where targets do.
+A network for each kind of target leads from its numbers to a shape. In training, targets of drawn shapes are solved,
+and a network learns which shape belongs to which target. A perceptron that learned the drawn shapes themselves would
+learn the mean of all that meet a target, which misses it. So each target is solved by our own method, always from the
+same start: its answers change little where targets do.
 
 `MLPRegressor` of scikit-learn was tried in the place of `_learn`: its rate of learning does not fall for Adam, so that
 networks of the same size missed by 7 to 26 % more, after 2.3 times the CPU time; and it would be one more package.
 
-The method `learned`: the answer of a network, then damped least-squares steps from it.
-
 Thuruthel et al. 2019 and Wu et al. 2021 let networks learn what a robot does; of both only what others say could be
-had. Here it is a perceptron for each kind of target, trained with solutions of this library (see `training`). The
-steps after it are those of `dls`; without any, the answer is that of the network.
+had. Here it is a perceptron for each kind of target, trained with solutions of this library. The steps after it are
+those of `dls`; without any, the answer is that of the network.
 """
 
 import hashlib

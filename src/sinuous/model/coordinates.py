@@ -3,6 +3,8 @@
 A bend is free (any direction), in one plane, or locked. Its robot may leave it less than its segment does: where the
 robot has actuators that bend, a direction that none of them bends a segment in stays at the rest of that segment, and
 limits that are equal hold what they see. What they see of several segments together stays an equation among these.
+
+`find_home` finds where segments go when limits of actuators are to be kept: a shape within all limits, nearly straight.
 """
 
 import math

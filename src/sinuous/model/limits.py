@@ -5,7 +5,7 @@ Changes that are allowed in one time are limits, too, where a configuration has 
 is a limit of curvature where it must not run through itself. Plain NumPy: no table of the kernels is read. A new limit
 is an entry of `_amounts` (by how much shapes are outside) and of `sides` (what is left, and which motion it forbids).
 
-The point nearest to another one within linear bounds (Lawson & Hanson 1974, chapter 23).
+The shape nearest to another one within linear bounds is found by least distance programming (Lawson & Hanson 1974).
 """
 
 import math

@@ -1,6 +1,6 @@
-"""Derivatives of many answers at once, as arrays.
+"""Derivatives of many answers at once, as arrays; and what layers of learning libraries have in common.
 
-What layers of learning libraries have in common: batches of goals in, configurations and their derivatives out.
+Layers take batches of goals, and give configurations and their derivatives.
 """
 
 import math

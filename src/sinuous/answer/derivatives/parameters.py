@@ -1,6 +1,6 @@
 """The parameters that an answer can be derived by: their groups, their columns and what these are called.
 
-What an answer has to keep while parameters change: its rows, as kernels find them.
+What an answer has to keep while parameters change are its rows, as kernels find them.
 """
 
 import threading

@@ -1,6 +1,6 @@
 """What became of all rows of a batch, and the derivatives of its answers.
 
-What becomes of a chunk: targets are solved, or derived; of other rows it is said that they are none.
+A chunk is worked at as a whole: its targets are solved, or derived; of other rows it is said that they are none.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

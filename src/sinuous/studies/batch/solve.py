@@ -1,6 +1,6 @@
 """`solve_batch`: any number of targets, through files or in memory; the same call goes on after any interruption.
 
-The answers to all rows of a batch: chunk by chunk until they are all there, then one table.
+Answers are kept chunk by chunk until they are all there; then they are one table.
 """
 
 import time as clock

@@ -1,6 +1,6 @@
-"""`design`: a robot for a set of tasks.
+"""`design`: a robot for a set of tasks; and the file that asks for one.
 
-The file of a design: a robot, obstacles, tasks, what is varied and what is minimised.
+It holds a robot, obstacles, tasks, what is varied and what is minimised.
 """
 
 import json

@@ -1,6 +1,6 @@
-"""One robot, judged by its tasks: each is tried, and solved and proved, or not.
+"""One robot, judged by its tasks: each is tried, and solved and proved, or not; and what is minimised.
 
-What is minimised: numbers that a robot has, and those that its answers to the tasks have.
+Objectives are numbers that a robot has, and those that its answers to the tasks have.
 """
 
 import math

@@ -1,10 +1,10 @@
-"""The search for robots: generations of candidates, each near the best that are known, or anywhere.
+"""The search for robots: generations of candidates, near the best that are known or anywhere; and their space.
 
 A candidate is a combination of listed values and a point of the ranges. It is drawn from the seed and from what the
-generations before it found, and from nothing else; so a search that was interrupted goes on as if it had not been,
-and any number of workers finds the same.
+generations before it found, and from nothing else; so a search that was interrupted goes on as if it had not been, and
+any number of workers finds the same.
 
-The robots that are tried: fields of the robot file with ranges or lists of values.
+The space: fields of the robot file with ranges or lists of values.
 """
 
 import copy

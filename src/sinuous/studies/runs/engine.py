@@ -1,12 +1,11 @@
-"""The interface of engines: workers that do tasks, until each task is done or has failed three times.
+"""The interface of engines: workers that do tasks, until each task is done or has failed three times; and checkpoints.
 
 A task, its answer and what it is a part of are plain arrays by name, so that they travel between processes and machines
 and stand in a checkpoint.
 
-Checkpoints: what a run has found so far, so that the same call goes on where an earlier one ended.
-
-A run finds chunks, numbered in an order that depends on its record alone. The chunks stand in a folder beside the file
-of results until all are there; the record beside them says what they depend on. A call with another record is refused.
+A checkpoint is what a run has found so far, so that the same call goes on where an earlier one ended. A run finds
+chunks, numbered in an order that depends on its record alone. The chunks stand in a folder beside the file of results
+until all are there; the record beside them says what they depend on. A call with another record is refused.
 """
 
 import hashlib

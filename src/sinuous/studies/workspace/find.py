@@ -3,8 +3,6 @@
 Measurements showed that the single arc that a solve begins with is as good a start as the solution of a neighbour. So
 all are tried from it first; neighbours help where it fails. A round depends only on the rounds before it, not on what
 threads do: the calls of a solver always come in the same order, and a checkpoint may hold those that were made.
-
-Solves of one map: all directions at all places, each by itself, then from what was found beside it.
 """
 
 import math

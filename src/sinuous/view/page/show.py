@@ -1,6 +1,6 @@
 """`show`: robots, scenes, targets, solutions and motions on a page that can be turned, and played where they move.
 
-A page in one file: everything stands still, or moves with a time slider.
+Such a page is one file, in which everything stands still, or moves with a time slider.
 """
 
 import html as markup

@@ -1,12 +1,24 @@
-"""A keyword that is not known is refused in a line, wherever it is given, and costs nothing where it is right."""
+"""A keyword that is not known is refused in a line, wherever it is given, and costs nothing where it is right.
+
+Numbers and lists in sentences.
+
+Tests of processes that work for another one.
+"""
 
 import inspect
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.base import errors
+from sinuous.base.system import pool_of
+from tests.base.processes import alive, until
 from tests.cases import with_each
 from tests.helpers import refused
 from tests.public import public_names
@@ -50,3 +62,57 @@ def test_every_noun_and_verb_refuses_what_it_does_not_have(name: str, public: An
 )
 def test_the_name_that_was_meant_is_said(call: Callable[[], Any], key: str, words: str) -> None:
     refused(key, call, words)
+
+
+@with_each(
+    ("numbers", "count", "text"),
+    [
+        ([3], 5, "segment 3"),
+        ([1, 2], 5, "segments 1 and 2"),
+        ([4, 2, 3, 6], 9, "segments 2 to 4 and 6"),
+        ([1, 2, 3], 3, "all segments"),
+        ([1], 1, "segment 1"),
+        ([1, 3, 5], None, "segments 1, 3 and 5"),
+    ],
+)
+def test_segments(numbers: list[int], count: int | None, text: str) -> None:
+    assert errors.segments(numbers, count) == text
+
+
+@with_each(
+    ("seconds", "text"),
+    [(8.7e-6, "8.7 us"), (87.3e-6, "87.3 us"), (1e-3, "1 ms"), (41.63e-3, "41.6 ms"), (1.0, "1 s"), (11.24, "11.2 s")],
+)
+def test_times_have_the_unit_that_suits_them(seconds: float, text: str) -> None:
+    assert errors.duration(seconds) == text
+
+
+def test_rounding_up_loses_at_most_a_hundredth() -> None:
+    rng = np.random.default_rng(0)
+    for value in 10.0 ** rng.uniform(-9, 9, 500):
+        up = errors.rounded_up(float(value))
+        assert value * (1.0 - 1e-11) <= up <= 1.0101 * value
+    assert errors.rounded_up(0.2) == 0.2
+
+
+PROGRAM = """
+import os, time
+from sinuous.base.system import pool_of
+print(pool_of(1, int).submit(os.getpid).result(), flush=True)
+time.sleep(600)
+"""
+
+
+def test_a_process_begins_with_what_it_is_given() -> None:
+    with pool_of(1, sys.setrecursionlimit, 777) as pool:
+        assert pool.submit(sys.getrecursionlimit).result() == 777
+
+
+@pytest.mark.parametrize("end", [signal.SIGTERM, getattr(signal, "SIGKILL", signal.SIGTERM)])
+def test_a_process_ends_however_its_program_ends(end: signal.Signals) -> None:
+    with subprocess.Popen([sys.executable, "-c", PROGRAM], stdout=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
+        worker = int(program.stdout.readline())
+        assert alive(worker)
+        program.send_signal(end)
+    assert until(lambda: not alive(worker))

@@ -1,4 +1,7 @@
-"""Every experiment runs at its smallest size, all claims hold, and a solver that lies, or is late, is found out."""
+"""Every experiment runs at its smallest size, all claims hold, and a solver that lies, or is late, is found out.
+
+Poses of arms with joints, solved and judged.
+"""
 
 import json
 from collections.abc import Callable
@@ -9,7 +12,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks import clutter, derivatives, methods, ways
+from benchmarks import clutter, derivatives, joints, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Attempt, Trial, examine
 from benchmarks.harness.conduct import Output, conduct
@@ -186,15 +189,6 @@ def test_loops_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:
     assert loops.wrong_ticks(robot, sn.Scene([sn.Sphere(middle, 5.0)]), knots) == 3
 
 
-@pytest.mark.parametrize("how", [loops.MOVED, loops.SEEN])
-def test_a_short_loop_gets_out_of_the_way_of_a_cloud(monkeypatch: pytest.MonkeyPatch, how: str) -> None:
-    monkeypatch.setattr(loops, "CLOUD_TICKS", 5)
-    monkeypatch.setattr(loops, "POINTS", 2000)
-    loop = loops.drive_from_cloud(1, how)
-    assert loop.wrong == 0
-    assert loop.least > 0.0
-
-
 def test_motions_among_what_moves_are_judged() -> None:
     trial = moving.planned(2, {"rates": sn.Rates(moving.BEND, moving.LENGTH)})
     assert trial.solved
@@ -206,3 +200,15 @@ def test_motions_among_what_moves_are_judged() -> None:
 
     assert moving.judged(sn.Motion(robot, straight, [coming(0.5)])) == ""
     assert moving.judged(sn.Motion(robot, straight, [coming(0.3)])) == "overlap"
+
+
+def test_all_arms_are_solved_and_judged_right(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["joints", "--count", "5"]) == 0
+    text = capsys.readouterr().out
+    rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| ")][2:]
+    count = len(joints.FAMILIES)
+    assert [row[1] for row in rows[:count]] == [family.name for family in joints.FAMILIES]
+    assert all(row[2:5] == ["5", "5", "0"] for row in rows[:count])
+    led, goal = rows[-2:]
+    assert led[1:5] == ["5", "5", "0", "0.000"]
+    assert float(led[5]) < float(goal[5])

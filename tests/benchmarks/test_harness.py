@@ -4,9 +4,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,9 +13,8 @@ from hypothesis import strategies as st
 from benchmarks.harness import reference
 from benchmarks.harness.baseline import Comparison, _kept, _line, compare
 from benchmarks.harness.conduct import INTERRUPTED, NAME, Journal, Output, conduct
-from benchmarks.harness.experiment import Divided, Experiment, Plan
+from benchmarks.harness.experiment import Experiment, Plan
 from benchmarks.harness.lines import Goal, Line, together
-from benchmarks.harness.parallel import in_processes
 from benchmarks.harness.reference import Look
 from sinuous.base.errors import InputError
 from sinuous.files.documents import json_line
@@ -65,19 +62,6 @@ def test_an_interrupted_run_goes_on_where_it_was(tmp_path: Path, capsys: pytest.
     assert conduct(steps(Plan(), 2e-3), output) == 0
     assert conduct(steps(Plan()), output) == 0
     assert "all of this was measured before" in capsys.readouterr().err
-
-
-@pytest.mark.usefixtures("steady")
-@pytest.mark.parametrize("end", [KeyboardInterrupt(), ZeroDivisionError()], ids=["interrupted", "broken"])
-def test_lines_that_were_measured_are_given_whatever_ends_a_run(tmp_path: Path, end: BaseException) -> None:
-    if isinstance(end, KeyboardInterrupt):
-        assert conduct(steps(Plan(), end), Output(tmp_path)) == INTERRUPTED
-    else:
-        with pytest.raises(ZeroDivisionError):
-            conduct(steps(Plan(), end), Output(tmp_path))
-    written = json.loads((tmp_path / "steps.json").read_text())
-    assert written["interrupted"]
-    assert [line["what"] for line in written["lines"]] == ["first"]
 
 
 @pytest.mark.usefixtures("steady")
@@ -197,34 +181,3 @@ def test_of_several_rounds_the_middle_counts_and_of_correctness_the_worst() -> N
     assert (middle.reached, middle.rounds, middle.solved, middle.spread) == (2.0, (3.0, 1.0, 2.0), (9, 10), 1.0)
     shares = [Line("s", "t", value, "%", Goal(100, False, True)) for value in (100.0, 99.0, 100.0)]
     assert together(shares).reached == 99.0
-
-
-def square(number: int) -> int:
-    return number * number
-
-
-def sums() -> Experiment:
-    """Numbers that are squared in any order, in processes."""
-    shares = [partial(square, i) for i in range(8)]
-    part = Divided(shares, lambda found: [Line("s", "sum", float(sum(found)), "", note=str(len(found)))])
-    return Experiment("sums", Plan(), {"squares": part}, abreast=True)
-
-
-def test_an_interrupted_run_in_processes_loses_nothing_that_was_done(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert list(in_processes(square, range(7), chunk=2)) == [n * n for n in range(7)]
-    add = Journal.add
-
-    def interrupted(journal: Journal, piece: str, measured: Any) -> None:
-        if len(journal.pieces) == 3:
-            raise KeyboardInterrupt
-        add(journal, piece, measured)
-
-    monkeypatch.setattr(Journal, "add", interrupted)
-    assert conduct(sums(), Output(tmp_path)) == INTERRUPTED
-    assert json.loads((tmp_path / "sums.json").read_text())["lines"][0]["note"] == "3"
-    monkeypatch.setattr(Journal, "add", add)
-    assert conduct(sums(), Output(tmp_path)) == 0
-    (line,) = json.loads((tmp_path / "sums.json").read_text())["lines"]
-    assert (line["reached"], line["note"]) == (140.0, "8")

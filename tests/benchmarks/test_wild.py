@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,8 @@ import sinuous as sn
 from benchmarks.judges.bodies import thicker
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import target_errors, within_limits
-from benchmarks.judges.kinematics import Bodies, body_places
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import calls, motions, odd, trials, worlds
+from benchmarks.wild import calls, motions, trials, worlds
 from benchmarks.wild.trials import (
     CLEARANCE,
     DEMAND,
@@ -160,20 +159,6 @@ def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: p
     assert any(made(0, number).false for number in range(4))
 
 
-@pytest.mark.parametrize("judged", [motions.planned, motions.ticks])
-def test_links_are_judged(judged: Callable[..., Judged], monkeypatch: pytest.MonkeyPatch) -> None:
-    made = cache(worlds.jointed)
-    found = [judged(made, 0, number) for number in range(3)]
-    assert all(each.false == "" for each in found)
-    assert any(each.good for each in found)
-
-    def thick(*given: Any) -> Bodies:
-        return [(link, places, 9.0 * radius) for link, places, radius in body_places(*given)]
-
-    monkeypatch.setattr("benchmarks.judges.self_collision.body_places", thick)
-    assert any(judged(made, 0, number).false for number in range(3))
-
-
 def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     number = next(number for number in range(20) if motions.timed(0, number) == Judged(True, ""))
     at = sn.Trajectory.at
@@ -217,15 +202,3 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
     assert (found.good, found.false.split(" ")[:2]) == (error is None, ["call:", false] if false else [""])
     _, line = trials.lines_of_judged("s", "calls", "answered", "exceptions", [[list(found), [True, ""]]])
     assert line.reached == bool(false)
-
-
-@pytest.mark.parametrize("what", ["solve", "track", "check", "job"])
-def test_calls_can_be_made(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(calls, "CALLS", {what: calls.CALLS[what]})
-    made = [calls.called(3, number) for number in range(3)]
-    assert any(call.good for call in made)
-    assert not any(call.false for call in made)
-    for number in range(30):
-        rng = np.random.default_rng(number)
-        robot = odd.robot(rng)
-        assert not robot.violations(odd.shape(robot, rng))

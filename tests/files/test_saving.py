@@ -1,5 +1,12 @@
-"""What is saved and loaded is equal."""
+"""What is saved and loaded is equal.
 
+Motions come back from files as they were, and what is no motion is refused.
+
+JSON is read strictly, and results are strict JSON on one line.
+"""
+
+import json
+import math
 import os
 from itertools import cycle
 from pathlib import Path
@@ -11,9 +18,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sinuous as sn
-from sinuous.base.documents import yaml_text
-from sinuous.files.documents import parse_yaml
+from sinuous.base.documents import result_value, yaml_text
+from sinuous.base.errors import InputError
+from sinuous.files.documents import json_line, parse_json, parse_yaml, result
 from sinuous.motion.job import Job, job_of, read_problem
+from tests.cases import with_each
 from tests.helpers import random_pose, refused
 from tests.model import test_elastic as elastic
 from tests.model.test_actuators import DRIVEN
@@ -164,3 +173,87 @@ def test_a_function_is_refused_before_anything_is_written(tmp_path: Path) -> Non
     problem = Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
     refused("scene[1]", lambda: problem.save(tmp_path / "a.yaml"), "a file can hold")
     assert os.listdir(tmp_path) == []
+
+
+ROBOT = sn.Robot.uniform(3, (45, 70), max_bend=1.6, radius=4)
+BALL = sn.Sphere((0, 100, 100), radius=10, name="ball")
+PLACE = np.array([60.0, 0.0, 150.0])
+MOVING = sn.Moving(BALL, [0, 1], [(0, 0, 0), (0, 3, 0)])
+
+
+@pytest.mark.parametrize("scene", [None, BALL, MOVING], ids=["nothing", "ball", "moving"])
+def test_motions_are_saved_and_loaded(scene: Any, tmp_path: Path) -> None:
+    q = sn.solve(ROBOT, PLACE).q
+    near = np.add(q, (0.01, 0.02, 0.3))
+    motions = [
+        sn.track(ROBOT, [PLACE, np.add(PLACE, (0, 9, 0))], scene, tolerance=sn.Tolerance(0.01)),
+        sn.Motion(ROBOT, [q, near], scene),
+        sn.plan(ROBOT, q, np.add(PLACE, (0, 9, 0)), scene, duration=2),
+        sn.plan(ROBOT, q, near, scene, duration=2),
+        sn.track(ROBOT, [PLACE, (0, 0, 900)], scene),
+        sn.track(ROBOT, [PLACE, PLACE], sn.Sphere((0, 0, 50), radius=20), start=q),
+    ]
+    assert {str(motion.status) for motion in motions} == {"solved", "out_of_reach", "start_blocked"}
+    for i, motion in enumerate(motions):
+        for name in ("motion.yaml", "motion.json"):
+            motion.save(tmp_path / name)
+            again = sn.load(tmp_path / name, sn.Motion)
+            assert again.equals(motion), (i, name)
+            assert again.to_dict() == motion.to_dict()
+
+
+def test_files_of_motions_are_checked(tmp_path: Path) -> None:
+    sn.Motion(ROBOT, [[[0, 0.1, 55]] * 3, [[0, 0.2, 55]] * 3]).save(tmp_path / "motion.json")
+    text = (tmp_path / "motion.json").read_text(encoding="utf-8")
+    for old, new, key in (
+        ('"steps": [', '"steps": [[1.0], ', "motion.steps"),
+        ('"knots": [', '"knots": [[1.0], ', "motion.knots"),
+        ('"remaining": 0', '"remaining": -1', "motion.remaining"),
+    ):
+        assert old in text
+        (tmp_path / "wrong.json").write_text(text.replace(old, new), encoding="utf-8")
+        with pytest.raises(sn.InputError, match=r"wrong\.json: motion\.\w+: expected") as caught:
+            sn.load(tmp_path / "wrong.json")
+        assert caught.value.key == key
+    with pytest.raises(sn.InputError, match="file: expected a Robot"):
+        sn.load(tmp_path / "motion.json", sn.Robot)
+
+
+@with_each(
+    ("text", "key", "problem"),
+    [
+        ('{"a": NaN}', "a", "expected a finite number"),
+        ('{"a": [0, {"b": -Infinity}]}', "a[1].b", "expected a finite number"),
+        ('{"a": 1e400}', "a", "expected a finite number"),
+        ('{"a": ' + "9" * 5000 + "}", "a", "expected a finite number"),
+        ('{"a": 1, "a": 1}', "a", "stands twice"),
+        ('{"a": 1,\nb}', "line 2", "Expecting property name"),
+        ('{"a": 1}\n{"a": 1}', "line 2", "Extra data"),
+        ("", "line 1", "Expecting value"),
+        ("[" * 100_000, "file", "nested too deeply"),
+    ],
+)
+def test_refusals_name_line_or_key(text: str, key: str, problem: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        parse_json(text)
+    assert refusal.value.key.startswith(key)
+    assert problem in str(refusal.value)
+
+
+def test_nothing_of_numpy_and_nothing_infinite_leaks() -> None:
+    value = {
+        "a": np.float64(1.5),
+        "b": np.arange(3),
+        "c": (np.int64(2), math.inf),
+        "d": float("nan"),
+        "e": np.bool_(True),
+    }
+    line = json_line(value)
+    assert "\n" not in line
+    assert json.loads(line) == {"a": 1.5, "b": [0, 1, 2], "c": [2, None], "d": None, "e": True}
+    assert result_value(np.array([np.inf, 1.0])) == [None, 1.0]
+
+
+def test_the_file_comes_first_and_the_time_of_preparing_after_that_of_solving() -> None:
+    entries = result("a.yaml", {"status": "solved", "seconds": 1.0, "method": "newton"}, 2.0)
+    assert list(entries) == ["file", "status", "seconds", "prepare_seconds", "method"]

@@ -35,27 +35,6 @@ def read(clock: Array) -> float:
     return clocks.now(clock)
 
 
-def test_the_time_is_read_when_so_many_looks_are_spent() -> None:
-    clock = make_clock(0)
-    assert not any(clocks.spend(clock, 1) for _ in range(STRIDE - 1))
-    assert not clocks.late(clock)
-    assert clocks.spend(clock, 1)
-    assert clocks.spend(make_clock(0), STRIDE)
-    assert not clocks.spend(make_clock(NEVER), STRIDE)
-
-
-def test_what_is_over_stays_over_until_more_is_allowed() -> None:
-    clock = make_clock(0)
-    assert clocks.over(clock)
-    assert clocks.late(clock)
-    assert clocks.spend(clock, 0)
-    clocks.allow(clock, 1e3)
-    assert not clocks.late(clock)
-    assert not clocks.over(clock)
-    clocks.allow(clock, -1.0)
-    assert clocks.over(clock)
-
-
 def count(clock: Array, units: float, each: int) -> int:
     clocks.begin(clock)
     clocks.allow_work(clock, units)

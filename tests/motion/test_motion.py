@@ -1,4 +1,9 @@
-"""A motion: knots, times, and what is proved of all of it."""
+"""A motion: knots, times, and what is proved of all of it.
+
+Configurations: distances, limits of segments, and random ones within them.
+
+The whole path at once, made shorter.
+"""
 
 import csv
 from pathlib import Path
@@ -8,7 +13,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.base.arguments import Shortest
+from sinuous.base.checks import Floats
+from sinuous.kernels.packing import scales_of
+from sinuous.motion.configurations import random_configuration, within_limits
 from sinuous.motion.report import Report
+from sinuous.motion.shortening import metric_of
 from sinuous.solver.certificates.steps import Steps
 from tests.cases import with_each
 from tests.helpers import refused
@@ -162,3 +172,58 @@ def test_among_obstacles_that_move_a_motion_is_proved_for_its_times() -> None:
     refused("motion", lambda: motion.timed(sn.Rates(bend=1.0, length=1.0)))
     finer = motion.resampled(10.0)
     assert finer.status is motion.status
+
+
+ON_STAGE = sn.on_stage(sn.Robot.uniform(3, (0.0, 1.2), 2.4, max_curvature=3.0, radius=0.05), 2.0)
+ENDLESS = sn.Robot.uniform(2, 1.0, radius=0.01)
+
+
+@pytest.mark.parametrize("robot", [ON_STAGE, ENDLESS])
+def test_random_configurations_are_within_limits(robot: sn.Robot) -> None:
+    rng = np.random.default_rng(0)
+    drawn = np.stack([random_configuration(robot, rng) for _ in range(500)])
+    assert max(robot.excess(q) for q in drawn) < 1e-12
+    assert np.hypot(drawn[..., 0], drawn[..., 1]).max() <= 2.0 * np.pi
+    moves = np.ptp(drawn, axis=0).ravel() > 0.0
+    np.testing.assert_array_equal(moves, scales_of(robot.limits).ravel() > 0.0)
+
+
+def test_what_is_within_limits_stays_and_the_rest_is_brought_there() -> None:
+    rng = np.random.default_rng(1)
+    q = rng.normal(size=(300, 4, 3)) * [3.0, 3.0, 1.0] + [0.0, 0.0, 0.8]
+    brought = within_limits(ON_STAGE, q)
+    assert max(ON_STAGE.excess(each) for each in brought) < 1e-12
+    np.testing.assert_allclose(within_limits(ON_STAGE, brought), brought, atol=1e-12)
+    cross = q[..., 0] * brought[..., 1] - q[..., 1] * brought[..., 0]
+    np.testing.assert_allclose(cross, 0.0, atol=1e-12)  # bends keep their direction
+
+
+FOUR = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05, tendons=sn.Tendons(3, 0.04))
+PATH = [sn.Target((2.0 * np.cos(turn), 2.0 * np.sin(turn), 2.5)) for turn in np.linspace(0.0, 2.0, 12)]
+ASIDE = sn.Sphere((0.9, 0.3, 1.2), 0.3, name="ball")
+
+
+def effort(motion: sn.Motion, metric: Floats) -> float:
+    steps = np.diff(motion.q.reshape(len(motion.q), -1), axis=0)
+    return float((np.einsum("ti,ij,tj->t", steps, metric, steps) / np.diff(motion.times)).sum())
+
+
+@pytest.mark.parametrize("shortest", ["configuration", "actuators"])
+def test_it_gets_easier_and_stays_proved(shortest: Shortest) -> None:
+    plain = sn.track(FOUR, PATH, [ASIDE], deviation=0.05)
+    short = sn.track(FOUR, PATH, [ASIDE], deviation=0.05, shortest=shortest)
+    metric = metric_of(FOUR, shortest)
+    assert effort(short, metric) < 0.95 * effort(plain, metric)
+    assert short.solved
+    assert all(verification.ok for verification in short.verify())
+    for solution, knot in zip(short.solutions, short.waypoint_knots, strict=True):
+        assert knot is not None
+        np.testing.assert_array_equal(short.q[knot], solution.q)
+    tips = FOUR.tip(short.q)[:, :3, 3]
+    np.testing.assert_allclose(tips, FOUR.tip(plain.q)[:, :3, 3], atol=2e-3)
+
+
+def test_what_cannot_be_meant_is_refused() -> None:
+    refused("shortest", lambda: sn.track(FOUR, PATH, shortest="time"), "configuration or actuators")  # type: ignore[arg-type]
+    bare = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0)
+    refused("shortest", lambda: sn.track(bare, PATH, shortest="actuators"), "no actuators")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.model.rates import least
 from tests.helpers import refused
 
@@ -90,24 +89,3 @@ def test_accelerations_hold_at_the_knots() -> None:
     assert lengths <= 5.0 * (1.0 + 1e-9)
     assert max(bends / 0.2, lengths / 5.0) == pytest.approx(1.0)
     assert keeps(motion, rates)
-
-
-def test_a_trajectory_is_a_motion_with_its_waypoints() -> None:
-    pytest.importorskip("toppra")
-    rates = sn.Rates(bend=1.0, length=40.0, acceleration=sn.Rates(bend=4.0, length=100.0))
-    motion = sn.track(ROBOT, TARGETS, [BALL], start=START)
-    stopping, blended = motion.timed(rates), motion.timed(rates, blend=2.0)
-    assert stopping.stops > blended.stops
-    assert f"{stopping.stops} stops in corners" in repr(stopping)
-    for timed, near in ((stopping, 1e-6), (blended, 5.0)):
-        found = timed.as_motion()
-        assert found.solved
-        assert found.times[-1] == pytest.approx(timed.duration)
-        assert keeps(found, rates)
-        np.testing.assert_allclose(found.q, timed.at(found.times), atol=1e-9)
-        tips: Floats = ROBOT.tip(found.q)[:, :3, 3]
-        for target, knot in zip(TARGETS, found.waypoint_knots, strict=True):
-            assert knot is not None
-            assert np.linalg.norm(tips[knot] - np.asarray(target.position)) <= near + 0.02
-        again = sn.Motion.from_dict(found.to_dict(), [s.problem for s in found.solutions], found.scene)
-        np.testing.assert_array_equal(again.times, found.times)

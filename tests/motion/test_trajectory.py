@@ -1,5 +1,11 @@
-"""Laws of timing: limits are kept and used, and the way stays the one that was proved."""
+"""Laws of timing: limits are kept and used, and the way stays the one that was proved.
 
+Configurations and actuators as a table: all numbers, under their names.
+
+The straight line of the tip between waypoints.
+"""
+
+import csv
 import json
 from functools import cache
 from pathlib import Path
@@ -7,11 +13,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import sinuous as sn
+from sinuous.answer.solutions import column_names
 from sinuous.base.checks import Floats
 from sinuous.files.joint_chain import JointChain
 from sinuous.measures.following import body_places
+from sinuous.motion.knots import TipLine
 from tests.cases import with_each
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.4, radius=4, tendons=sn.Tendons(3, radius=4))
@@ -179,3 +188,73 @@ def test_the_way_is_the_same_in_every_unit_of_length(unit: float, knots: int) ->
     scaled = sn.Motion(sn.Robot.uniform(3, (0.8, 1.2), 2.4), q * lengths, [FAR])
     assert off_the_way(scaled, places * lengths) < 1e-7
     assert len(timed.times) >= 50
+
+
+ROBOT = sn.Robot(
+    [
+        sn.Segment((0.0, 0.5), 0.0, name="stage"),
+        sn.Segment(1.0, 2.0, tendons=sn.Tendons(3, 0.1)),
+        sn.Segment((0.8, 1.2), 2.0, chambers=sn.Chambers(3, 0.1, names=["up", "left", "a, b"])),
+    ],
+    actuators=sn.Actuators([[0, 0, 1, 0, 0, 0, 0, 0, 0]], names=["feed"]),
+)
+PATH = [sn.Target((0.1 * i, 0.5, 1.8)) for i in range(3)]
+
+
+@pytest.fixture(scope="module")
+def track() -> sn.Motion:
+    return sn.track(ROBOT, [*PATH, sn.Target((0.0, 0.0, 9.0))])
+
+
+def test_it_holds_every_number_to_the_last_digit(track: sn.Motion, tmp_path: Path) -> None:
+    track.to_csv(tmp_path / "motors.csv")
+    with (tmp_path / "motors.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["time", *column_names(ROBOT)]
+    assert [row["time"] for row in rows] == ["0.0", "1.0", "2.0"]
+    for row, solution in zip(rows, track.solutions[:3], strict=True):
+        assert solution.actuators is not None
+        assert {name: float(row[name]) for name in solution.actuators} == pytest.approx(solution.actuators, abs=1e-15)
+        assert [float(row[name]) for name in column_names(ROBOT)[:9]] == solution.q.ravel().tolist()
+
+
+def test_a_motor_and_a_joint_of_one_name_have_each_their_own_column(tmp_path: Path) -> None:
+    """Before, the column of the motor had the value of the joint."""
+    drive = sn.Actuators([[1, 0, 0, 0]], names=["roll"], gain=100, offset=5)
+    robot = sn.Robot([sn.Segment(1.0, 2.0)], joints=[sn.Revolute(name="roll")], actuators=drive)
+    solutions = sn.Solver(robot).solve_many(positions=[[0.0, 0.0, 1.0]])
+    motion = sn.Motion(robot, [([0.1], [[0.0, 0.0, 1.0]]), ([0.2], [[0.0, 0.0, 1.0]])])
+    motion.to_csv(tmp_path / "all.csv")
+    motion.to_csv(tmp_path / "one.csv", columns=["roll.motor"])
+    solutions.to_csv(tmp_path / "motors.csv")
+    tables = {each.stem: list(csv.reader(each.read_text().splitlines())) for each in tmp_path.iterdir()}
+    assert tables["all"][0] == ["time", "roll", "s1.bend_x", "s1.bend_y", "s1.length", "roll.motor"]
+    assert [[float(row[1]), float(row[-1])] for row in tables["all"][1:]] == [[0.1, 15.0], [0.2, 25.0]]
+    assert [float(row[-1]) for row in tables["one"][1:]] == [15.0, 25.0]
+    assert tables["motors"][0] == ["target", "status", "roll.motor"]
+    assert float(tables["motors"][1][-1]) == pytest.approx(100.0 * float(solutions[0].joints[0]) + 5.0)
+    for name in ("all.csv", "one.csv"):
+        np.testing.assert_allclose(sn.Motion.load(tmp_path / name, robot).joints, [[0.1], [0.2]], atol=1e-15)
+
+
+def asked(target: sn.Target) -> tuple[Floats, Floats, Floats]:
+    """Position, direction and rotation of a target; zeros where it asks for none."""
+    parts = (target.position, target.direction, target.rotation)
+    position, direction, rotation = (np.zeros(3) if part is None else part for part in parts)
+    return position, direction, rotation
+
+
+def test_orientations_go_the_shorter_way_round() -> None:
+    turn = Rotation.from_rotvec([0.0, 0.0, 1.0])
+    a = sn.Target((0, 0, 3), rotation=np.eye(3))
+    b = sn.Target((0, 1, 3), rotation=turn)
+    position, _, rotation = asked(TipLine(a, b).at(0.25))
+    np.testing.assert_allclose(position, [0.0, 0.25, 3.0])
+    np.testing.assert_allclose(rotation, Rotation.from_rotvec([0.0, 0.0, 0.25]).as_matrix(), atol=1e-12)
+    a, b = sn.Target((0, 0, 3), direction=(1, 0, 0)), sn.Target((0, 0, 3), direction=(0, 1, 0))
+    np.testing.assert_allclose(asked(TipLine(a, b).at(0.5))[1], [0.5**0.5, 0.5**0.5, 0.0], atol=1e-12)
+    opposite = TipLine(a, sn.Target((0, 0, 3), direction=(-1, 0, 0)))
+    assert asked(opposite.at(0.5))[1] @ [1.0, 0.0, 0.0] == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(asked(opposite.at(1.0))[1], [-1.0, 0.0, 0.0], atol=1e-12)
+    same = TipLine(a, sn.Target((0, 0, 2), direction=(1, 0, 0)))
+    np.testing.assert_allclose(asked(same.at(0.3))[1], [1.0, 0.0, 0.0])

@@ -1,4 +1,7 @@
-"""Targets: what is asked, in the form that the kernels read, and bad input."""
+"""Targets: what is asked, in the form that the kernels read, and bad input.
+
+Tolerances, preferences and problems refuse what they cannot mean.
+"""
 
 import math
 import pickle
@@ -9,12 +12,14 @@ import pytest
 from numba import typeof
 from scipy.spatial.transform import Rotation
 
+import sinuous as sn
 from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
 from sinuous.model.poses import rotation_matrix
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Target, TipGoals, target_list, target_table
 from tests.cases import with_each
 from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
+from tests.scene.shapes import cube
 
 ROBOT = Robot.uniform(3, 1.0)
 
@@ -163,3 +168,29 @@ def test_the_bad_row_is_named() -> None:
     quaternions[9] = 0.0
     refused("xyzw[9]", lambda: TipGoals.read({"xyzw": quaternions}), "not zero")
     refused("rotations[9]", lambda: TipGoals.read({"rotations": quaternions}), "not zero")
+
+
+FIVE = sn.Robot.uniform(5, (45, 70))
+
+
+@with_each("value", [0, -1, float("nan"), float("inf"), "1", True, None])
+def test_wrong_tolerances_are_refused(value: Any) -> None:
+    with pytest.raises(sn.InputError, match="angle"):
+        sn.Tolerance(angle=value)
+
+
+@pytest.mark.parametrize("key", ["start", "bends", "clearance"])
+def test_wrong_preferences_are_refused(key: str) -> None:
+    for value in (-1, float("nan"), "much"):
+        wrong: dict[str, Any] = {key: value}
+        with pytest.raises(sn.InputError, match=key):
+            sn.Preferences(**wrong)
+    assert sn.Preferences(**{key: 1})
+    assert not sn.Preferences()
+
+
+@pytest.mark.parametrize("size", [0.01, 1e6])
+def test_a_mesh_in_another_unit_is_refused(size: float) -> None:
+    scene = [sn.Sphere((0, 0, 0), 1), sn.Mesh(*cube(size))]
+    refused("scene[1].mesh.vertices", lambda: sn.Problem(FIVE, sn.Target((0, 0, 9)), scene), "287.5 long")
+    assert len(sn.Problem(FIVE, sn.Target((0, 0, 9)), [sn.Mesh(*cube(50.0))]).scene) == 1

@@ -91,26 +91,6 @@ def test_an_update_replaces_the_cloud() -> None:
     refused("radius", lambda: scene.update(cloud(4)), "missing")
 
 
-def test_an_update_without_points_leaves_nothing_there() -> None:
-    ball, points = Sphere((0, 0, 5), 0.5), np.random.default_rng(7).normal(size=(50, 3)) * 3.0
-    robot, target = sn.Robot.uniform(2, 1.0, 2.0, radius=0.05), sn.Target((0.4, 0.3, 1.7))
-    scene = Scene([PointCloud(cloud(1), 0.1, name="camera"), ball])
-    solver, free = sn.Solver(robot, scene), sn.solve(robot, target, [ball])
-    for nothing in (np.empty((0, 3)), np.empty(0)):
-        scene.update(cloud(2))
-        scene.update(nothing)
-        np.testing.assert_array_equal(scene.distance(points), Scene([ball]).distance(points))
-        found = solver.solve(target)
-        assert found.solved
-        np.testing.assert_array_equal(found.q, free.q)
-        assert found.clearance == free.clearance
-        assert found.verify().ok
-    scene.update(np.full((4, 3), np.nan), invalid="drop")
-    assert scene.obstacles[0].points.shape == (0, 3)  # type: ignore[attr-defined]
-    scene.update(cloud(2))
-    assert scene.obstacles[0].radii[0] == 0.1  # type: ignore[attr-defined]
-
-
 def test_an_update_leaves_out_what_is_not_finite_and_what_is_the_robot() -> None:
     scene = Scene([PointCloud(cloud(1), 0.01, name="camera")])
     places = cloud(2)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from sinuous.answer.solution import Solution
-from sinuous.answer.status import Status
 from sinuous.kernels.step.newton import SAMPLED_PROOF_SLACK
 from sinuous.measures.obstacles import measure
 from sinuous.model.robot import Robot
@@ -101,31 +100,6 @@ def test_all_kinds_in_one_scene() -> None:
     solutions = [solver.solve(target) for target in targets(scene, 2, 10)]
     assert sum(s.solved for s in solutions) >= 9
     assert all(s.verify().ok for s in solutions if s.solved)
-
-
-def test_a_solver_goes_on_with_what_the_camera_sees() -> None:
-    aside = np.array([[0.0, 0.0, -3.0]])
-    scene = Scene([PointCloud(aside, 0.05)])
-    solver = Solver(ROBOT, scene)
-    target = Target((0.0, 0.0, 1.0))
-    free = solver.solve(target)
-    assert free.solved
-    wall = np.array([[x, y, 0.5] for x in np.linspace(-0.2, 0.2, 9) for y in np.linspace(-0.2, 0.2, 9)])
-    scene.update(wall)
-    around = solver.solve(target, initial=free)
-    assert around.solved
-    assert around.verify().ok
-    # The solution from before is one of the scene as it was, and not of the scene as it is.
-    assert free.verify().ok
-    assert scene.distance(ROBOT.backbone(free.q, 20)).min() < 0.03
-    scene.update(np.array([[0.0, 0.0, 1.0]]))
-    assert solver.solve(target).status is Status.TARGET_BLOCKED
-    scene.update(np.array([[0.0, 0.0, 0.0]]))
-    assert solver.solve(target).status is Status.BASE_BLOCKED
-    scene.update(aside)
-    again = solver.solve(target)
-    assert again.solved
-    np.testing.assert_array_equal(again.q, free.q)
 
 
 def test_solving_while_the_cloud_changes() -> None:

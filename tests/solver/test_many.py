@@ -2,7 +2,6 @@
 
 import csv
 import os
-import pickle
 import signal
 import sys
 import threading
@@ -21,7 +20,6 @@ from sinuous.base.checks import Floats
 from sinuous.solver.many import LARGEST_CALL
 from tests.helpers import refused, refused_each
 from tests.methods.laws import shapes
-from tests.solver.routing.test_routes import HIDDEN, ROBOT, box_room, pipe
 
 ARM = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.05)
 SPHERES = [sn.Sphere((0.6, 0.0, 2.0), 0.4), sn.Sphere((0.0, -1.2, 2.5), 0.5)]
@@ -121,28 +119,6 @@ def test_several_targets_at_once_in_any_order() -> None:
         are_those_of_a_loop(solver, many, [each if isinstance(each, list) else [each] for each in asked], given)
         assert {"solved", "out_of_reach", "target_blocked"} <= set(many.status)
     assert solver.solve_many(iter(asked), iter(initial)).equals(many)
-
-
-def test_routes_and_proofs_that_there_is_none_go_on_as_in_a_loop() -> None:
-    tip, center = ROBOT.tip(HIDDEN)[:3, 3], np.array([0.6, 0.4, 3.0])
-    found = set()
-    for scene, place in ((pipe(ROBOT, HIDDEN, 1.6), tip), (box_room(center, 0.6, 0.1), center)):
-        solver = sn.Solver(ROBOT, scene, time=LONG, max_starts=60)
-        targets = [sn.Target(place), sn.Target(place + np.array([0.0, 1e-3, 0.0]))]
-        many = solver.solve_many(targets, workers=2)
-        are_those_of_a_loop(solver, many, targets)
-        assert len(set(many.status)) == 1
-        for one, target in zip(many, targets, strict=True):
-            loop = solver.solve(target)
-            assert str(one.reason) == str(loop.reason)
-            assert (one.route is None) == (loop.route is None)
-            if loop.route is not None:
-                np.testing.assert_array_equal(one.route, loop.route)
-            found.add((one.status, one.route is None))
-        again = pickle.loads(pickle.dumps(many[1:]))
-        assert str(again[0].reason) == str(many[1].reason)
-        assert (again[0].route is None) == (many[1].route is None)
-    assert found == {("solved", False), ("no_route", True)}
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.solver.shapes import Shapes
 
-ROBOT = sn.Robot.uniform(2, (0.8, 1.2), max_bend=2.0)
+SHORT = sn.Robot.uniform(2, (0.8, 1.2), max_bend=2.0)
 
 
 def some(count: int, seed: int = 0) -> Floats:
@@ -20,7 +20,7 @@ def ends(shapes: Shapes) -> set[tuple[bytes, bytes]]:
 
 
 def test_what_motions_join_is_not_forgotten() -> None:
-    shapes = Shapes(ROBOT, 0.05)
+    shapes = Shapes(SHORT, 0.05)
     joined = some(10)
     shapes.add(joined, np.stack([np.arange(9), np.arange(1, 10)], axis=1))
     before = ends(shapes)

@@ -4,12 +4,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 import sinuous as sn
-from sinuous.measures.statics import imbalance
+from sinuous.base.checks import Floats
+from sinuous.measures.statics import _energy, _tensions, imbalance
 from sinuous.statics.between import bounded, leave
+from sinuous.statics.body import body_of
 from sinuous.statics.rest import Rest, Way
 from tests.cases import with_each
+
+STEP = 1.5e-8
+"""Of differences."""
 
 GRAVITY = (0.0, 0.0, -9.81)
 Q = np.array([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]])
@@ -112,3 +118,37 @@ def test_what_twists_with_tendons_or_has_straight_ones_is_not_bounded() -> None:
     ):
         assert not bounded(robot)
         assert leave(Rest(robot, Q), Rest(robot, Q + 0.01 * MOVED)).aside == np.inf
+
+
+@pytest.mark.parametrize("kind", ["bends", "twists and stretches", "tendons"])
+def test_the_judge_finds_the_least_energy_that_scipy_finds(kind: str) -> None:
+    stiffness, more = RODS[kind]
+    robot = arm(stiffness, **more).changed(arcs=2)
+    states, q = robot.shape(Q).states, Q
+    own = body_of(robot)
+    there = robot.drive.displacements(q) + robot.drive.stretch(q) if len(robot.drive) else None
+    gives = np.isfinite(own.stiffness[own.owners][:, [0, 0, 1, 2]])
+
+    def energies(moved: Floats) -> Floats:
+        changed = np.repeat(states[None], len(moved), axis=0)
+        changed[:, gives] += 1e-2 * moved
+        total, long = _energy(robot, own, q, changed)
+        pulls = np.array([_tensions(own, q, each, there) for each in long])
+        return np.asarray(1e4 * (total + 0.5 * pulls**2 @ own.lines.compliance))
+
+    def energy(moved: Floats) -> tuple[float, Floats]:
+        around = energies(np.vstack([moved, moved + STEP * np.eye(len(moved))]))
+        return float(around[0]), (around[1:] - around[0]) / STEP
+
+    begin = np.full(int(gives.sum()), 0.3) * np.where(np.nonzero(gives)[1] == 3, 0.1, 1.0)
+    found = minimize(energy, begin, jac=True, method="BFGS", options={"gtol": 1e-6})
+    assert np.abs(found.x).max() < 1e-2, "SciPy found another least energy"
+
+
+def test_the_judge_sees_what_is_not_at_rest() -> None:
+    robot = arm(sn.Stiffness(0.01, 0.008))
+    states = robot.shape(Q).states
+    assert imbalance(robot, Q, states) < 1e-8
+    assert imbalance(robot, Q, states * [1.001, 1.0, 1.0, 1.0]) > 1e-5
+    assert imbalance(robot.changed(mass=0.051), Q, states) > 1e-5
+    assert imbalance(robot, Q + 1e-3, states) > 1e-5

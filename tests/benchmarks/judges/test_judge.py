@@ -1,4 +1,9 @@
-"""A judge that cannot fail is a defect: each is shown what is wrong, and what is only just right."""
+"""A judge that cannot fail is a defect: each is shown what is wrong, and what is only just right.
+
+The judge of tensions agrees with what the package finds, and sees what is pulled by more than it may be.
+
+Self-collision: what sampling sees is what brute force sees, and laws of the thickness of a tube.
+"""
 
 import math
 
@@ -11,10 +16,11 @@ from benchmarks import problems
 from benchmarks.judges.clearances import overlaps
 from benchmarks.judges.judge import right, within_limits
 from benchmarks.judges.kinematics import arc_poses, body_points, segment_ends, tip_poses
+from benchmarks.judges.self_collision import FINEST, look, surely_clear
+from benchmarks.motion.limits import KINDS, arm, drawn, is_false, most_pulled
+from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.problem.target import Tolerance
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.scene import Scene
 from tests.cases import with_each
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
@@ -95,32 +101,6 @@ def test_limits_of_actuators_are_what_the_robot_says(seed: int) -> None:
     assert 20 < within_limits(robot, q).sum() < 180
 
 
-def beside(gap: float) -> list[Obstacle]:
-    """Obstacles of all kinds, each `gap` away from the body of `ARM` when it is straight."""
-    x = 0.1 + gap
-    half_turn = (math.sqrt(0.5), 0, 0, math.sqrt(0.5))
-    return [
-        Sphere((x + 0.2, 0, 1.5), 0.2),
-        Sphere((0, 0, 3 + x + 0.2), 0.2),
-        Box((0, x + 0.5, 1.5), (0.4, 1, 0.4), (1, 0, 0, 0)),
-        Box((x + 0.5, 0, 1.5), (0.4, 1, 0.4), half_turn),
-        Capsule((-x - 0.3, -1, 1.5), (-x - 0.3, 1, 1.5), 0.3),
-        Cylinder((0, 0, 3 + x), (0, 0, 4), 0.5),
-        Cylinder((x + 0.3, -1, 1.5), (x + 0.3, 1, 1.5), 0.3),
-        HalfSpace((0, -x, 0), (0, 1, 0)),
-        HalfSpace((0, 0, 3 + x), (0, 0, -1)),
-        Box((0, 0, 1.5), (2 * x, 5, 5), inside=True),
-        Box((0, 0, 0.5 * (3 + x - 1)), (5, 5, 3 + x + 1), inside=True),
-    ]
-
-
-@with_each("which", range(11))
-def test_overlap_is_seen_and_distance_is_not(which: int) -> None:
-    # A ball lies at 1.5, the middle of the arm, and at its tip: there the judge is exact.
-    assert overlaps(ARM, Scene([beside(-1e-6)[which]]), STRAIGHT).tolist() == [True]
-    assert overlaps(ARM, Scene([beside(1e-6)[which]]), STRAIGHT).tolist() == [False]
-
-
 @pytest.mark.parametrize("seed", range(2))
 def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
     """Clearly free and clearly touching bodies, as told by the library's own distances, are told so."""
@@ -134,3 +114,58 @@ def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
     slack = 0.02 * robot.mean_length
     assert not told[clearance > 0.0].any()
     assert told[clearance < -slack].all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_least_energies_have_the_tensions_of_equilibria(kind: str) -> None:
+    rng = np.random.default_rng(1)
+    robot = arm(kind, rng)
+    q = drawn(robot, rng)
+    found = most_pulled(robot, robot.to_actuators(q), q[:, 2], q)
+    own = robot.shape(q).tensions if robot.has_external_load else robot.tensions(robot.to_actuators(q), q)
+    assert found == pytest.approx(np.nanmax(own), rel=1e-3)
+    lines = robot.segments[0].tendons
+    assert lines is not None
+    for share, false in ((1.01, False), (0.98, True)):
+        held = lines.changed(tension=(0.0, share * found))
+        assert (
+            is_false(robot.changed(segments=[each.changed(tendons=held) for each in robot.segments]), q[None]) == false
+        )
+
+
+def brute(robot: sn.Robot, q: Floats, samples: int) -> float:
+    """Least gap of all pairs of evenly spaced places of one configuration (n, 3)."""
+    points, along = body_points(robot, q[None], samples)
+    radii = np.repeat(robot.radii, samples + 1)
+    flat, place = points.reshape(-1, 3), along.ravel()
+    gaps = np.linalg.norm(flat[:, None] - flat, axis=-1) - radii[:, None] - radii
+    counted = np.abs(place[:, None] - place) >= math.pi * np.maximum(radii[:, None], radii)
+    return float(np.where(counted, gaps, math.inf).min())
+
+
+@pytest.mark.parametrize(("radii", "seed"), [((0.1,) * 4, 0), ((0.03,) * 4, 1), ((0.15, 0.05, 0.1, 0.05), 2)])
+def test_it_sees_what_brute_force_sees(radii: tuple[float, ...], seed: int) -> None:
+    robot = sn.Robot([sn.Segment((0.9, 1.1), 5.0, radius=radius) for radius in radii])
+    q = random_configurations(robot, 30, np.random.default_rng(seed))
+    samples = 60
+    expected = np.array([brute(robot, one, samples) for one in q])
+    seen = look(robot, q, 0.0)
+    # Places that are sampled here are at most half a spacing from those sampled there, on either side.
+    near = np.abs(expected) < 1.1 / samples
+    assert ((seen.least < 0.0) == (expected < 0.0))[~near].all()
+    assert 3 < (expected < 0.0).sum() < 27
+    clear = surely_clear(robot, q)
+    assert (expected[clear] > 0.0).all()
+    assert not clear[seen.least < 0.0].any()
+    assert clear[expected > 2.2 / samples].all()
+
+
+@pytest.mark.parametrize("share", [0.9, 0.999])
+def test_a_circle_that_closes_touches_itself_when_its_ends_come_near(share: float) -> None:
+    """The ends of an arc that turns by t are `2 R sin(t / 2)` apart."""
+    turn, radius = 2.0 * math.pi * share, 0.05
+    robot = sn.Robot.uniform(1, 1.0, 7.0, radius=radius)
+    q = np.array([[[turn, 0.0, 1.0]]])
+    gap = 2.0 / turn * math.sin(0.5 * turn) - 2.0 * radius
+    assert look(robot, q).least[0] == pytest.approx(gap, abs=FINEST * radius)
+    assert surely_clear(robot, q)[0] == (gap > 0.0)

@@ -1,12 +1,17 @@
-"""The proof between configurations, against dense sampling and by its laws."""
+"""The proof between configurations, against dense sampling and by its laws.
+
+How obstacles move in a step, as kernels read it, against poses that SciPy interpolates.
+"""
 
 import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.kernels.certificate.drift import BEGIN, TURN, TURNED, VELOCITY
 from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, UNTIL, VERDICT, certify_motions
 from sinuous.kernels.certificate.sweep import (
     CLEARANCES_WIDTH,
@@ -20,6 +25,7 @@ from sinuous.kernels.certificate.sweep import (
 )
 from sinuous.model.robot import robot_group
 from sinuous.scene.scene import Scene
+from sinuous.solver.certificates.steps import Drifts
 from tests.helpers import Floats, random_pose
 from tests.kernels.certificate.motions import Case, random_case, sampled, sampled_case, shape
 
@@ -175,3 +181,31 @@ def test_no_motion_is_clear_of_huge_obstacles_that_it_overlaps(size: float) -> N
             assert prove(Case(robot, Scene([obstacle]), q0, q1), 1.0, finest=1e-4)[0, VERDICT] != CLEAR
     clear = sn.Sphere((size + 0.05 + 1e-12 * size, 0, 1.0), size)
     assert prove(Case(robot, Scene([clear]), q0, q1), 1.0, finest=1e-4)[0, VERDICT] == CLEAR
+
+
+BALL = sn.Sphere((0, 0, 0), 0.1)
+
+
+def test_drifts_lead_from_pose_to_pose() -> None:
+    rng = np.random.default_rng(1)
+    moving = []
+    for count in (1, 2, 3, 7):
+        times = np.sort(rng.uniform(0.0, 5.0, count))
+        moving.append(sn.Moving(BALL, times, rng.normal(size=(count, 3)), rng.normal(size=(count, 4))))
+        moving.append(sn.Moving(BALL, times, rng.normal(size=(count, 3))))
+    drifts = Drifts(sn.Scene(moving).snapshot())
+    times = drifts.divided(np.sort(np.concatenate([rng.uniform(-1.0, 6.0, 50), [2.0, 2.0]])))
+    rows = drifts.rows(times)
+    for e, own in enumerate(moving):
+        poses = own.pose(times)
+        here, way = rows[:, e, BEGIN : BEGIN + 3], rows[:, e, VELOCITY : VELOCITY + 3]
+        turned, turn = rows[:, e, TURNED : TURNED + 9].reshape(-1, 3, 3), rows[:, e, TURN : TURN + 3]
+        np.testing.assert_allclose(here, poses[:-1, :3, 3], atol=1e-12)
+        np.testing.assert_allclose(here + way, poses[1:, :3, 3], atol=1e-12)
+        np.testing.assert_allclose(turned, poses[:-1, :3, :3], atol=1e-12)
+        after = turned @ Rotation.from_rotvec(turn).as_matrix()
+        np.testing.assert_allclose(after, poses[1:, :3, :3], atol=1e-12)
+        still = (times[1:] <= own.times[0]) | (times[:-1] >= own.times[-1]) | (times[1:] == times[:-1])
+        assert not way[still].any()
+        assert not turn[still].any()
+        assert len(own.times) == 1 or (np.linalg.norm(way[~still], axis=1) > 0.0).all()

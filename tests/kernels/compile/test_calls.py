@@ -1,11 +1,22 @@
-"""What kernels hand to each other arrives as it was, and so does what they return."""
+"""What kernels hand to each other arrives as it was, and so does what they return.
 
+Numba by itself runs with versions that were not tried. That it does the same: `test_conformance`.
+
+What is compiled is said before it begins, once, with what and how long.
+"""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from sinuous.kernels.compile import entry, kernel, shared
+from sinuous.kernels import compile as compiling
+from sinuous.kernels.compile import entry, kernel, shared, store, tiers
 from sinuous.kernels.maths.vectors import Array
 
 
@@ -155,3 +166,76 @@ def test_what_python_raises_is_zero_in_machine_code() -> None:
     assert third_or((2.0, 3.0), 5) == 1.0
     with pytest.raises(IndexError):
         third_or.interpreted((2.0, 3.0), 5)  # type: ignore[attr-defined]
+
+
+ROOT = Path(__file__).parents[3]
+
+OTHER = """
+import sys
+import numba
+numba.__version__ = "9.1.0"
+from sinuous.kernels.compile import sources
+from tests.kernels.compile import parts
+assert sources.COMPILER == "numba"
+assert not {f"sinuous.kernels.compile.{name}" for name in ("once",)} & sys.modules.keys()
+assert parts.thrice_the_longest(3.0, 4.0) == 27.0
+assert parts.twice_the_shortest(3.0, -4.0) == 6.0
+print(sum(parts.thrice_the_longest.stats.cache_hits.values()))
+"""
+
+
+def test_with_another_version_numba_compiles_by_itself_and_its_code_is_kept(tmp_path: Path) -> None:
+    words = {**os.environ, "SINUOUS_CACHE": str(tmp_path), "SINUOUS_KERNELS": "compiled"}
+    for read in (0, 1):
+        ran = subprocess.run(
+            [sys.executable, "-c", OTHER], cwd=ROOT, env=words, capture_output=True, text=True, check=True
+        )
+        assert (ran.stdout, ran.stderr) == (f"{read}\n", "")
+
+
+def test_another_compiler_is_refused() -> None:
+    command, words = [sys.executable, "-c", "import sinuous.kernels.compile"], {**os.environ, "SINUOUS_COMPILER": "gcc"}
+    ran = subprocess.run(command, env=words, capture_output=True, text=True, check=False)
+    assert ran.returncode == 1
+    assert ran.stderr.splitlines()[-1].endswith("unknown SINUOUS_COMPILER 'gcc'; expected one of linked, numba")
+
+
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], Any]:
+    """Make an entry, with a cache of its own, that belongs to a piece of so many seconds."""
+    monkeypatch.setattr(store, "CACHE", tmp_path)
+    monkeypatch.setattr(tiers, "_announced", [])
+
+    def make(seconds: int) -> Any:
+        name = f"{half.__module__.partition('.')[2]}.{half.__name__}"
+        monkeypatch.setattr(tiers, "PIECES", (tiers.Piece("halves", seconds, (name,)),))
+        return compiling.entry(half)
+
+    return make
+
+
+def half(x: float) -> float:
+    return 0.5 * x
+
+
+def test_compiling_is_announced_with_what_and_how_long_and_loading_is_not(
+    fresh: Callable[[int], Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert fresh(9)(2.0) == 1.0
+    said = "sinuous: compiling halves, once on this machine (about 9 s); 'sinuous warm' compiles everything ahead\n"
+    assert capsys.readouterr().err == said
+    monkeypatch.setattr(tiers, "_announced", [])
+    again = fresh(9)
+    assert again(4.0) == 2.0
+    assert sum(again.stats.cache_hits.values()) == 1
+    assert capsys.readouterr().err == ""
+
+
+def test_compiling_a_piece_is_announced_once_in_a_process(
+    fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    entry = fresh(9)
+    entry(2.0)
+    entry(2)
+    assert capsys.readouterr().err.count("compiling") == 1
+    assert len(entry.signatures) == 2

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.base.progress import AbandonedError, counting_looks, looked, no_work, work_time
+from sinuous.base.progress import AbandonedError
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compile import helpers, store, tiers
 from sinuous.kernels.maths.vectors import Array
@@ -139,23 +139,6 @@ def test_an_interpreted_call_is_abandoned_and_made_again_with_its_code(
     monkeypatch.undo()
 
 
-def test_interpreted_time_is_what_looks_are_worth(monkeypatch: pytest.MonkeyPatch) -> None:
-    wall = [100.0]
-    monkeypatch.setattr("sinuous.base.progress.perf_counter", lambda: wall[0])
-    began = work_time()
-    with counting_looks():
-        wall[0] += 7.0
-        looked(1000)
-        assert work_time() - began == pytest.approx(5e-6)
-    assert work_time() - began == pytest.approx(5e-6)
-    with no_work():
-        wall[0] += 7.0
-    assert work_time() - began == pytest.approx(5e-6)
-    with pytest.raises(AbandonedError), counting_looks(lambda: True):
-        work_time()
-    assert work_time() - began == pytest.approx(5e-6)
-
-
 @pytest.fixture
 def foreman() -> Iterator[helpers.Foreman]:
     made = helpers.Foreman(1)
@@ -191,14 +174,6 @@ def test_a_helper_compiles_into_the_store_and_says_what_it_cannot(foreman: helpe
     assert until(lambda: not foreman.order(wrong))
     assert foreman.order(right)
     assert not foreman.given_up
-
-
-def test_a_helper_that_is_killed_is_given_up(foreman: helpers.Foreman, at_home: Path) -> None:
-    lost = order(at_home)
-    assert foreman.order(lost)
-    assert until(lambda: bool(foreman._processes))
-    foreman._processes[0].kill()
-    assert until(lambda: not foreman.order(lost))
 
 
 def give_order(folder: Path, words: dict[str, str], said: "SimpleQueue[int]") -> None:

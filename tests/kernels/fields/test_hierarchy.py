@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.body import pieces
 from sinuous.kernels.fields import distances
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, LOWER_BOUND, UPPER_BOUND
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.snapshot import Mover, Snapshot
 from tests.helpers import Floats, kernel_scene, vec
 from tests.scene import shapes
 
@@ -153,24 +151,3 @@ def test_a_scene_of_which_a_part_changed_is_the_scene_made_anew() -> None:
         scene.update(SIDE * rng.random((count, 3)), 0.1, name=cloud.name)
         again = sn.Scene(scene.obstacles).distance(points)
         np.testing.assert_allclose(scene.distance(points), again, rtol=0.0, atol=1e-14)
-
-
-def test_cells_cover_what_is_asked_for_and_go_where_an_obstacle_changes() -> None:
-    rng = np.random.default_rng(9)
-    snapshot, points = sn.Scene(some(80, rng)).snapshot(), places(300, rng)
-    expected, place = snapshot.distance(points), np.full(3, 2.0)
-
-    def cells_of(own: Snapshot) -> float:
-        return float(packing.scene_parts(own._kernel_group)[1][t.HIERARCHY_CELLS])
-
-    for around, reach in ((place, 1.0), (place, 0.5), (place + 1.5, 1.0), (place + 9.0, 1.0)):
-        before = snapshot._kernel_group
-        snapshot.list_near(around, reach, 0.2)
-        assert (snapshot._kernel_group is before) == (reach == 0.5 or around[0] > 9.0)
-        assert cells_of(snapshot) > 0.0
-        np.testing.assert_array_equal(snapshot.distance(points), expected)
-    moved = Mover(snapshot, 3).moved(some(10, rng)[3])
-    changed = snapshot.replaced(2, some(10, rng)[2])
-    assert cells_of(moved) == cells_of(changed) == 0.0
-    assert moved._kernel_group.size == changed._kernel_group.size < snapshot._kernel_group.size
-    np.testing.assert_array_equal(changed.distance(points), sn.Scene(changed.obstacles).distance(points))

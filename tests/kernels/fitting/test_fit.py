@@ -1,14 +1,21 @@
-"""The chain fitted to a route."""
+"""The chain fitted to a route.
+
+Lines of points: how far they are from the obstacles.
+
+Chains drawn to their targets in short steps.
+"""
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, widths_across
+from sinuous.kernels.fitting.settle import MOST_STEPS, REACH_STEP, settle_chain
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Sphere
+from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_groups
 
@@ -61,3 +68,84 @@ def test_a_chain_keeps_off_what_the_route_keeps_off(seed: int) -> None:
     coarser = Robot.uniform(4, length=(1.0, 1.5), max_bend=3.0, radius=0.1)  # it cannot lie along all of the route
     body = coarser.backbone(lay(coarser, route, scene=scene), 50)
     assert scene.distance(body).min() > 0.1
+
+
+def beside(scene: Scene, line: Floats, radius: float, enough: float) -> Floats:
+    room = np.empty(len(line))
+    widths_across(scene.snapshot().group.copy(), line, radius, enough, room)
+    return room
+
+
+def some_lines(seed: int) -> tuple[Scene, Floats]:
+    rng = np.random.default_rng(seed)
+    scene = Scene([Box(rng.uniform(-1.0, 1.0, 3), rng.uniform(0.2, 0.5, 3)) for _ in range(9)])
+    return scene, np.linspace(rng.uniform(-2.0, 0.0, 3), rng.uniform(0.0, 2.0, 3), 60)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_width_across_a_line_is_that_of_a_place_at_most_so_far_aside(seed: int) -> None:
+    scene, line = some_lines(seed)
+    radius, enough = 0.1, 0.4
+    found, own = beside(scene, line, radius, enough), scene.distance(line)
+    ahead = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+    x = np.cross(ahead, (0.3, 0.5, 0.8))
+    x /= np.linalg.norm(x)
+    angles = np.linspace(0.0, 2.0 * np.pi, 200 * LINE_SIDES)[:, None]
+    ring = np.cos(angles) * x + np.sin(angles) * np.cross(ahead, x)
+    around = line[:, None, None] + radius * np.arange(1, SIDE_STEPS + 1)[:, None, None] * ring
+    most = np.maximum(own, scene.distance(around).max(axis=(1, 2)))
+    free = (own > 0.0) & (own < enough)
+    assert free.any()
+    assert (found[free] >= own[free] - 1e-12).all()
+    assert (found[free] <= most[free] + 0.01 * radius).all()
+    np.testing.assert_allclose(found[own <= 0.0], own[own <= 0.0])
+    assert (found[own >= enough] >= enough).all()
+
+
+def test_a_wall_between_two_points_is_not_stepped_over() -> None:
+    door = Scene([Box((side * 1.15, 0.0, 0.0), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)])
+    coarse = np.array([(0.0, 0.0, z) for z in (-3.6, -2.1, -0.6, 0.9, 2.4)])
+    assert door.distance(coarse).min() > 0.4
+    room = beside(door, coarse, 0.1, 0.4)
+    assert room[2] == pytest.approx(0.15, abs=0.01)
+    assert (room[[0, 1, 4]] >= 0.4).all()
+    assert (beside(door, coarse, 0.0, 0.4) >= 0.4).all()
+
+
+RADIUS = 0.1
+ROBOT = Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
+CHAIN = np.tile([0.3, 0.1, 1.0], (6, 1))
+TIP = ROBOT.tip(CHAIN)
+
+
+def settled(scene: Scene, target: Target, seconds: float = 60.0, robot: Robot = ROBOT) -> Floats:
+    problem = Problem(robot, target, scene)
+    workspace = np.full(fit_workspace_size(6, 0, len(problem.scene), 1), np.nan)
+    out = CHAIN.copy()
+    settle_chain(*kernel_groups(problem), seconds, workspace, out)
+    return out
+
+
+@pytest.mark.parametrize("direction", [None, tuple(TIP[:3, 2])])
+def test_the_target_is_met_that_is_near(direction: tuple[float, float, float] | None) -> None:
+    goal = TIP[:3, 3] + [0.4, -0.3, -0.2]
+    found = settled(Scene([]), Target(goal, direction=direction))
+    assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - goal) < 1e-2
+    assert ROBOT.excess(found) <= 1e-12
+
+
+def test_no_step_is_long() -> None:
+    """However far the target is: the end comes no nearer than all steps are long, and a little for curves."""
+    goal = TIP[:3, 3] + [-9.0, 0.0, 0.0]
+    moved = np.linalg.norm(ROBOT.tip(settled(Scene([]), Target(goal)))[:3, 3] - TIP[:3, 3])
+    assert 0.1 < moved < 1.2 * MOST_STEPS * REACH_STEP * RADIUS
+
+
+def test_what_overlaps_is_pushed_off() -> None:
+    line = ROBOT.backbone(CHAIN, 40)
+    beside = line[150] + [0.0, 0.3, 0.0]
+    wall = Scene([Box(beside, (0.5, 0.52, 0.5))])
+    assert wall.distance(line).min() < 0.6 * RADIUS
+    found = settled(wall, Target(TIP[:3, 3]))
+    assert wall.distance(ROBOT.backbone(found, 40)).min() > 0.97 * RADIUS
+    assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1e-2

@@ -66,25 +66,3 @@ def test_an_arc_beside_a_wall_is_bent_off_it(offset: float) -> None:
     assert overlap <= 0.0
     assert gap(wall, FREE, arc) >= 0.0
     assert arc[0] < 1.0
-
-
-@pytest.mark.parametrize("off", [-0.07, 0.07])
-def test_an_arc_that_does_not_fit_as_the_one_before_it_ends_is_bent_with_that(off: float) -> None:
-    """A straight channel of 1.6 radii, the first arc a little bent: the second one hits the wall at once."""
-    walls = [
-        Box((x, y, 2.0), (0.2 if x else 1.0, 0.2 if y else 1.0, 4.2))
-        for x, y in ((0.26, 0.0), (-0.26, 0.0), (0.0, 0.26), (0.0, -0.26))
-    ]
-    scene, robot = Scene(walls), Robot([Segment(1.5, 2.0, radius=RADIUS)] * 2)
-    problem = kernel_problem(robot, [Target((0.0, 0.0, 1.0))], scene)
-    first, straight, scratch = (off, 0.0, 1.5), (0.0, 0.0, 1.5), nearby(scene)
-    begin = mat(np.eye(3)), vec(np.zeros(3))
-    end = robot.forward(np.array([first, straight]))[0]
-    before, new = (begin, 0, 0.0), ((mat(end[:3, :3]), vec(end[:3, 3])), 1, 1.5)
-    _, alone, _ = come_out(problem, before, new, (first, straight), False, scratch)
-    two, overlap, _ = come_out(problem, before, new, (first, straight), True, scratch)
-    assert alone > 0.05
-    assert overlap <= 1e-3
-    line = robot.backbone(np.array(two), 200)
-    assert float(scene.distance(line[5:]).min()) / RADIUS - 1.0 >= -0.01
-    assert robot.excess(np.array(two)) <= 1e-12

@@ -4,17 +4,13 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.planning.query import UNPROVED_DRAWS
 from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.scene.scene import Scene
-from sinuous.solver.certificates.steps import prove_steps
-from tests.helpers import Floats
 from tests.kernels.certificate.motions import shape
 
 SEGMENTS, NODES = 2, 40
-ROBOT = sn.Robot([sn.Segment(1.0, 2.8, radius=0.03)] * 3)
 
 
 def random_trees(seed: int) -> Trees:
@@ -57,39 +53,6 @@ def test_what_hangs_on_an_edge_is_cut_off_and_nothing_else(seed: int) -> None:
         kept = sorted(set(range(NODES)) - gone)
         np.testing.assert_array_equal(trees.q[side, kept], whole.q[side, kept])
         np.testing.assert_array_equal(trees.q[1 - side], whole.q[1 - side])
-
-
-def thin_walls(seed: int) -> tuple[Scene, Floats]:
-    """Walls so thin that looks miss them, and two clear configurations (2, n, 3) among them."""
-    rng = np.random.default_rng(seed)
-    while True:
-        walls = [sn.Box(rng.uniform(-2.5, 2.5, 3), np.roll([2.0, 1.5, 0.004], rng.integers(3))) for _ in range(14)]
-        scene = Scene([wall for wall in walls if np.linalg.norm(wall.center[:2]) > 1.2])
-        drawn = [shape(ROBOT, rng) for _ in range(12)]
-        ends = [q for q in drawn if prove_steps(ROBOT, scene.snapshot(), np.stack([q, q])).proved.all()]
-        if len(ends) >= 2:
-            return scene, np.stack(ends[:2])
-
-
-def test_what_looks_miss_is_on_no_path_and_in_no_tree() -> None:
-    met = 0
-    for seed in range(24):
-        scene, ends = thin_walls(seed)
-        trees = RRTConnect(ROBOT, scene.snapshot())
-        path = trees.grow(ends, seed, (0, UNPROVED_DRAWS), Deadline(60.0))
-        if path is None:
-            reached = trees.reached
-            assert np.isfinite(reached).all()
-            np.testing.assert_array_equal(reached[0], ends[0])
-            assert sum(trees.sizes) >= 2
-            for q in reached:
-                assert prove_steps(ROBOT, scene.snapshot(), np.stack([q, q]), slack=1.0).proved.all()
-            path = trees.grow(ends[:1], seed, (UNPROVED_DRAWS, 4096), Deadline(60.0))
-            met += 1
-        assert path is not None, seed
-        np.testing.assert_array_equal(path.q[[0, -1]], ends)
-        assert prove_steps(ROBOT, scene.snapshot(), path.q).proved.all()
-    assert met > 0
 
 
 def test_a_tree_that_is_behind_keeps_limits_that_segments_share() -> None:

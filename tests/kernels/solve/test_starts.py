@@ -5,13 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.kernels.packing import pose_row
 from sinuous.kernels.solve import starts
-from sinuous.kernels.tables import SEGMENT_WIDTH
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
-from sinuous.problem.target import Target
-from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
+from tests.helpers import Floats, expm_chain, frames_of, random_pose, vec
 
 MIXED = Robot(
     [
@@ -81,36 +78,3 @@ def test_shapes_cover_the_limits_evenly() -> None:
     # Neighbouring coordinates and segments have nothing to do with each other.
     columns = np.stack([bends[:, 0], bends[:, 1], q[:, 0, 2], q[:, 1, 2], q[:, 2, 2], q[:, 4, 0]])
     np.testing.assert_allclose(np.corrcoef(columns), np.eye(len(columns)), atol=0.06)
-
-
-def faced(q: Floats, base: Floats, tool: Floats, targets: list[Target]) -> Floats:
-    turned = q.copy()
-    table = np.concatenate([target.table for target in targets])
-    starts.face(
-        np.zeros((len(q), SEGMENT_WIDTH)), table, frames_of(np.zeros((len(q), 3)), base), pose_row(tool), turned
-    )
-    return turned
-
-
-def beside(frame: Floats, place: Floats, goal: Floats) -> tuple[float, float]:
-    """Across and along the direction that a goal lies in beside a frame's z axis: where a place lies beside it."""
-    local, aim = (frame[:3, :3].T @ (point - frame[:3, 3]) for point in (place, goal))
-    aim = aim[:2] / np.linalg.norm(aim[:2])
-    return float(local[0] * aim[1] - local[1] * aim[0]), float(local[:2] @ aim)
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_face_turns_every_stage_to_the_side_of_its_goal(seed: int) -> None:
-    """Whatever the order in which the targets are listed; what is asked without a position turns nothing."""
-    rng = np.random.default_rng(seed)
-    before = configurations(seed, 6, 1)[0] + [0.3, 0.1, 0.5]
-    base, goals = random_pose(rng), rng.normal(size=(3, 3))
-    ends = sorted(rng.choice(6, 3, replace=False))
-    targets = [Target(goal, segment=int(end) + 1) for end, goal in zip(ends, goals, strict=True)]
-    targets.append(Target(direction=(0.0, 0.0, 1.0), segment=int(rng.integers(1, 7))))
-    q = faced(before, base, np.eye(4), [targets[i] for i in rng.permutation(4)])
-    frames = expm_chain(q, base)
-    for first, end, goal in zip([0, *(end + 1 for end in ends)], ends, goals, strict=False):
-        across, along = beside(frames[first], frames[end + 1][:3, 3], goal)
-        assert abs(across) < 1e-9
-        assert along > 0.0

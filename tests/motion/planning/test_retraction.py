@@ -1,4 +1,7 @@
-"""Retraction: bodies drawn back along themselves, out of bores, by motions that are clear; and paths through them."""
+"""Retraction: bodies drawn back along themselves, out of bores, by motions that are clear; and paths through them.
+
+Contact-retraction trees: past what stops a straight edge, by motions that are clear.
+"""
 
 from collections.abc import Iterator
 from itertools import islice
@@ -10,6 +13,7 @@ import sinuous as sn
 from benchmarks.judges.motions import wrong_in
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
+from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner, QueryEnds
 from sinuous.motion.planning.query import ProvedPath, Query
 from sinuous.motion.planning.retraction import (
@@ -22,6 +26,7 @@ from sinuous.motion.planning.retraction import (
     slid_back,
 )
 from sinuous.motion.planning.rrt_connect import RRTConnect, rrt_connect
+from sinuous.motion.planning.tree import Chain
 from sinuous.problem.path import Curve
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -93,3 +98,23 @@ def test_paths_are_found_that_trees_alone_do_not_find(start: Floats, goal: Float
     motion = sn.plan(ROBOT, start, goal, scene, time=60.0)
     assert motion.solved
     assert wrong_in(ROBOT, scene, motion.q) == ""
+
+
+def grow(scene: Scene, seed: int = 0, seconds: float = 60.0) -> Chain | None:
+    """The path into a bore that trees find from how far its goal can be drawn back."""
+    local = LocalPlanner(query(scene, seconds=seconds))
+    drawn_back = Retraction(local, INSIDE, 0, OUTSIDE)
+    drawn_back.run()
+    trees = ContactRetractionTrees(local, seed)
+    trees.plant(0, [[OUTSIDE]])
+    trees.plant(1, [drawn_back.knots])
+    return trees.grow(200)
+
+
+def test_the_path_is_clear_and_the_same_each_time() -> None:
+    scene = Scene(bore())
+    one, other = grow(scene), grow(scene)
+    assert one is not None
+    np.testing.assert_array_equal(np.stack(one)[[0, -1]], [OUTSIDE, INSIDE])
+    assert wrong_in(ROBOT, scene, np.stack(one)) == ""
+    np.testing.assert_array_equal(one, other)

@@ -291,32 +291,6 @@ def test_play_is_told_and_fitted() -> None:
     assert not any("play" in note for note in plain.notes)
 
 
-def test_rows_of_a_motion_bound_its_other_rows() -> None:
-    """What is wrong with the robot matters more in some motions; the device lies askew, and points are in metres."""
-    values, motion = settings(DRAWN, 30), settings(DRAWN, 160, seed=5) * [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]
-    real = real_robot()
-    found = sn.studies.calibrate(DRAWN, values, measured(real, values), fit=["offsets"], frame="device")
-    tips = measured(real, motion) / 1000.0
-    off = np.linalg.norm(
-        found.predict(motion)[:, :3, 3] - measured(real.changed(base=found.device @ POSE), motion), axis=1
-    )
-    held = []
-    for first in range(4):
-        some = np.arange(len(motion)) % 4 == first
-        own = found.for_motion(motion[some], tips[some], unit=1000.0).uncertainty
-        assert own is not None
-        held.append((off[~some] <= own.bound).mean())
-    assert 0.93 < np.mean(held) < 0.99
-    near = found.for_motion(motion, np.stack([tips, tips], axis=1), places=[1.0, 1.0], level=0.5, unit=1000.0)
-    assert near.uncertainty is not None
-    assert near.uncertainty.bound == pytest.approx(np.quantile(off, 0.5), rel=0.05)
-    assert near.changed(uncertainty=None).equals(found.robot.changed(uncertainty=None))
-    refused("measured", lambda: found.for_motion(motion[:18], tips[:18], unit=1000.0), "at least 19 rows")
-    refused("measured", lambda: found.for_motion(motion, tips, level=1.0, unit=1000.0), "a level below 1")
-    refused("measured", lambda: found.for_motion(motion, tips * 1000.0, unit=1000.0), "the robot is 110 long")
-    refused("actuators", lambda: found.for_motion(motion[:, :4], tips), "6 numbers")
-
-
 def test_a_calibrated_robot_is_saved_and_loaded(tmp_path: Path, in_its_own_unit: sn.studies.Calibration) -> None:
     in_its_own_unit.save(tmp_path / "robot.yaml")
     assert read_robot(parse_yaml((tmp_path / "robot.yaml").read_text())).equals(in_its_own_unit.robot)

@@ -135,26 +135,6 @@ def test_wherever_it_ends_the_same_call_goes_on(
 
 
 @pytest.mark.parametrize(
-    ("key", "options"),
-    [
-        ("seed", {"seed": 1}),
-        ("directions", {"directions": 6}),
-        ("within", {"within": 0.2}),
-        ("low", {"low": (-20, -20, 0)}),
-        ("high", {"high": (0, 0, 60)}),
-    ],
-)
-def test_a_map_that_was_begun_otherwise_is_refused_by_name(key: str, options: dict[str, Any], tmp_path: Path) -> None:
-    box: dict[str, Any] = {"low": (-20, 0, 0), "high": (20, 0, 60), "out": tmp_path / "map.npz"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sn.studies.Reach, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
-        with pytest.raises(KeyboardInterrupt):
-            made(**box)
-    with pytest.raises(sn.InputError, match=rf"^{key}: .*changed since this map began"):
-        made(**(box | options))
-
-
-@pytest.mark.parametrize(
     ("options", "key"),
     [
         ({"spacing": 0.0}, "spacing"),

@@ -1,4 +1,11 @@
-"""Things are sorted, and obstacles that move are where they are when the robot is where it is."""
+"""Things are sorted, and obstacles that move are where they are when the robot is where it is.
+
+Distances of the body from obstacles, place by place.
+
+Dots lie on what they stand for.
+
+Drawn obstacles are where they are, and face the side where the body may be.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -7,10 +14,17 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.measures.obstacles import measure
+from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display.contents import gather
+from sinuous.view.display.results import clearances_along
+from sinuous.view.display.surfaces import MOST_POINTS, Dotted, obstacle_surface, points_of
 from sinuous.view.page.model import PageModel
 from sinuous.view.page.status import find_nearest, judge_shape
+from sinuous.view.pictures.paint import normals_of
 from tests.cases import with_each
+from tests.helpers import Floats
+from tests.scene.shapes import cube
 
 pytest.importorskip("matplotlib").use("agg")
 
@@ -149,3 +163,92 @@ def test_the_place_that_says_why_is_marked() -> None:
         crosses = [drawn for drawn in sn.plot(answer).collections if drawn.get_zorder() == 8]
         np.testing.assert_allclose(np.transpose(crosses[0]._offsets3d), [mark])
     assert gather([sn.solve(ROBOT, sn.Target((1, 0, 1.5)))]).marks == []
+
+
+def test_a_loaded_body_is_where_its_load_bends_it() -> None:
+    robot = sn.Robot.uniform(2, 0.1, stiffness=0.004, mass=0.1, arcs=3, gravity=(0, 0, -9.81), radius=0.005)
+    q = np.array([[0.8, 0.2, 0.1], [0.5, -0.3, 0.1]])
+    ball = sn.Sphere(robot.shape(q).tip[:3, 3], 0.01)
+    scene = sn.Scene([ball]).snapshot()
+    own = clearances_along(robot, scene, np.stack([q, q]), 4)
+    assert own.shape == (2, 9)
+    assert own[0, -1] == pytest.approx(-0.015, abs=1e-9)
+    assert clearances_along(robot.changed(gravity=None), scene, q, 4)[-1] > 0.0
+
+
+SHAPE = (15, 16, 17)
+INDEX = np.moveaxis(np.indices(SHAPE), 0, -1).astype(np.float64)
+ORIGIN = np.array([-0.8, -0.7, -0.6])
+
+
+def ball(points: Floats) -> Floats:
+    return np.asarray(np.linalg.norm(points - 0.03, axis=-1) - 0.5)
+
+
+VALUES = ball(ORIGIN + 0.1 * INDEX)
+
+
+@pytest.mark.parametrize("obstacle", [sn.Grid(VALUES, ORIGIN, 0.1), sn.Field(ball, ORIGIN, -ORIGIN, 0.1)])
+def test_dots_of_distances_lie_where_these_are_zero(obstacle: Dotted) -> None:
+    found = points_of(obstacle)
+    assert len(found) > 300
+    assert np.abs(ball(found)).max() < 0.005
+    for axis in range(3):
+        assert np.ptp(found[:, axis]) > 0.95
+
+
+def test_dots_of_cells_are_those_that_can_be_seen() -> None:
+    grid = sn.Grid(VALUES < 0.0, ORIGIN, 0.1)
+    found = points_of(grid)
+    depth = -measure(grid, found)
+    assert (depth > 0.0).all()
+    inner = np.zeros((5, 5, 5), bool)
+    inner[1:4, 1:4, 1:4] = True
+    assert len(points_of(sn.Grid(inner, (0, 0, 0), 1))) == 26
+    assert len(points_of(sn.Grid(np.ones((3, 3, 3), bool), (0, 0, 0), 1))) == 26
+
+
+@pytest.mark.parametrize("count", [5, MOST_POINTS, MOST_POINTS + 1, 3 * MOST_POINTS])
+def test_clouds_are_thinned(count: int) -> None:
+    points = np.random.default_rng(0).normal(size=(count, 3))
+    found = points_of(sn.PointCloud(points, 0.1))
+    assert min(count, MOST_POINTS // 2) <= len(found) <= MOST_POINTS
+    assert (found[0] == points[0]).all()
+
+
+TURNED = sn.pose(rotation=(1, 2, 3, 4))[:3, :3]
+OBSTACLES = [
+    sn.Sphere((1, 2, 3), 2),
+    sn.Box((1, 2, 3), (1, 2, 3), TURNED),
+    sn.Capsule((1, 2, 3), (2, 2, 5), 1),
+    sn.Capsule((1, 2, 3), (1, 2, 3), 1),
+    sn.Cylinder((1, 2, 3), (2, 2, 5), 1),
+    sn.HalfSpace((0, 0, 1), (0, 1, 1)),
+    sn.Box((1, 2, 3), (1, 2, 3), TURNED, True),
+    sn.Sphere((1, 2, 3), 2, True),
+    sn.Cylinder((1, 2, 3), (2, 2, 5), 1, True),
+    sn.Mesh(*cube(2.0)),
+    sn.Mesh(*cube(2.0), inside=True),
+]
+
+
+@with_each("pieces", [1, 12])
+@with_each("obstacle", OBSTACLES)
+def test_vertices_lie_on_the_surface_and_faces_towards_free_space(obstacle: Obstacle, pieces: int) -> None:
+    surface = obstacle_surface(obstacle, np.zeros(3), 5.0, pieces=pieces)
+    scene = sn.Scene([obstacle])
+    assert np.abs(scene.distance(surface.vertices[np.unique(surface.faces)])).max() < 1e-12
+    outward, middles = normals_of(surface.facets), surface.facets.mean(axis=1)
+    alike = (scene.gradient(middles + 1e-6 * outward) * outward).sum(axis=-1)
+    assert alike[np.linalg.norm(outward, axis=-1) > 0.5].min() > 0.99
+
+
+@with_each("obstacle", OBSTACLES)
+def test_triangles_and_faces_have_the_same_area_and_turned_ones_the_other_side(obstacle: Obstacle) -> None:
+    surface = obstacle_surface(obstacle, np.zeros(3), 5.0)
+    corners = surface.vertices[surface.triangles]
+    of_triangles = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    facets = surface.facets
+    of_faces = 0.5 * np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1]).sum(axis=0)
+    np.testing.assert_allclose(of_triangles, of_faces, atol=1e-9)
+    np.testing.assert_allclose(normals_of(surface.flipped().facets), -normals_of(facets), atol=1e-12)

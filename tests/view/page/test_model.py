@@ -13,8 +13,6 @@ import sinuous as sn
 from sinuous.answer.remedies import Remedy
 from sinuous.base.errors import InputError
 from sinuous.model.segment import straight
-from sinuous.view.display.results import speeds_of
-from sinuous.view.page.edits import least_rates
 from sinuous.view.page.model import History, PageModel, problem_text, read_problem
 from sinuous.view.page.session import QUICK_SECONDS, Solvers
 
@@ -203,80 +201,6 @@ def test_joints_stay_where_segments_are_changed() -> None:
     assert page.robot.body_radii == (0.08, 0.08, 0.08)
     assert page.robot.joints == tuple(joints)
     assert len(page.q) == len(page.robot)
-
-
-def test_rates_change_the_times_of_a_motion_and_not_its_way() -> None:
-    page = model(target=sn.Target((-0.9, 0.2, 2)), start=[[-0.3, 0.0, 1.0]] * 3)
-    motion = page.job.plan()
-    page.show_motion(motion)
-    slow, none = np.array([0.1, 0.2, 0.0]), np.zeros(3)
-    page.set_rates(slow, none)
-    assert page.motion is not None
-    np.testing.assert_array_equal(page.motion.q, motion.q)
-    shares = speeds_of(page.motion, page.job.rates).values
-    np.testing.assert_allclose(shares, 100.0)
-    before = page.motion.duration
-    page.set_rates(2.0 * slow, none)
-    assert page.motion is not None
-    np.testing.assert_allclose(page.motion.duration, 0.5 * before)
-    page.set_rates(none, none)
-    assert not page.job.rates
-    page = model(rates=sn.Rates(bend={"s2": 0.3, "s1": 0.6}, length=(1, 2, 3)))
-    page.set_rates(np.array([0.1, 1.0, 4.0]), np.array([2.0, 0.0, 0.0]))
-    wanted = sn.Rates({"s2": 0.1, "s1": 0.2}, (1, 2, 3), 4.0, sn.Rates(bend=2.0))
-    assert least_rates(page.job.rates).tolist() == pytest.approx([0.1, 1.0, 4.0])
-    assert page.job.rates.spread(page.robot).bend.tolist() == pytest.approx(wanted.spread(page.robot).bend.tolist())
-    np.testing.assert_array_equal(page.job.rates.length, wanted.length)
-    assert page.job.rates.acceleration is not None
-    with pytest.raises(InputError, match="bend"):
-        page.set_rates(-slow, none)
-
-
-def test_a_motion_is_played_and_ends_with_the_next_change() -> None:
-    path = [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2)), sn.Target((1, 0.2, 2))]
-    page = model(target=None, path=path)
-    track = page.job.track()
-    with pytest.raises(InputError, match="nothing moves"):
-        page.play(0.0)
-    page.motion = track
-    for i, knot in enumerate(track.q):
-        page.play(float(page.motion.times[i]))
-        np.testing.assert_allclose(page.shown, knot, atol=1e-12)
-        assert page.step_is_proved
-    page.play(0.5 * float(track.times[0] + track.times[1]))
-    np.testing.assert_allclose(page.shown, 0.5 * (track.q[0] + track.q[1]), atol=1e-12)
-    with pytest.raises(InputError, match="time"):
-        page.play(float(track.times[-1]) + 1.0)
-    page.go_to_waypoint(2)
-    assert page.motion is None
-    assert page.targets[0] is path[2]
-    page.place_target(0, np.array([1.0, 0.3, 2.0]))
-    moved = page.job.waypoints[2][0].position
-    assert moved is not None
-    assert moved.tolist() == [1.0, 0.3, 2.0]
-    assert page.job.waypoints[0][0] is path[0]
-
-
-def test_a_goal_asks_no_target_and_stays() -> None:
-    still = [[0.0, 0.0, 1.0]] * len(ROBOT)
-    page = model(target=None, start=still, goal=[[0.2, 0.0, 1.0]] * len(ROBOT))
-    assert page.targets == ()
-    np.testing.assert_array_equal(page.shown, still)
-    page.add("sphere")
-    assert page.job.goal is not None
-    page.bend(0, 0.1, 0.0, 1.0)
-    page.begin_here()
-    assert page.job.start is not None
-    assert page.job.start[0].tolist() == [0.1, 0.0, 1.0]
-    page.show_motion(page.job.plan())
-    np.testing.assert_array_equal(page.shown, page.job.start)
-    again = read_problem("goal.yaml", problem_text(page).encode(), Path())
-    assert again.goal is not None
-    np.testing.assert_array_equal(again.goal, page.job.goal)
-    np.testing.assert_array_equal(again.start, page.job.start)
-    assert problem_text(page).startswith("# sinuous plan ")
-    with pytest.raises(InputError, match="goes nowhere"):
-        page.show_motion(sn.track(page.robot, [sn.Target((0, 0, 99.0))]))
 
 
 def test_a_second_method_begins_from_its_own_shape() -> None:

@@ -34,7 +34,6 @@ DRIVEN = sn.Job(
     sn.Robot.uniform(3, (0.5, 0.9), max_bend=2, radius=0.08, tendons=sn.Tendons(3, 0.05, gain=100, unit="mm")),
     sn.Target((1, 0.2, 1.2), direction=(1, 0, 0)),
 )
-PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
 
 
 @pytest.fixture(autouse=True)
@@ -347,28 +346,6 @@ def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> No
     until(lambda: len(page.model.scene) == 0, "no ball")
     fresh.get_by_role("button", name="Add one").click()
     until(lambda: len(page.model.scene) == 1, "another one")
-
-
-def test_what_is_saved_is_what_is_on_the_page_and_can_be_loaded(page: Page, fresh: Any, tmp_path: Path) -> None:
-    page.do("move", lambda: page.model.place_target(0, np.array([0.8, 0.3, 2.1])))
-    until(lambda: page.model.answer is not None and asked(page)[0] == 0.8, "an answer")
-    settled(page)
-    fresh.get_by_role("tab", name="File").click()
-    with fresh.expect_download() as download:
-        fresh.get_by_role("button", name="Save as YAML").click()
-    file = tmp_path / "saved.yaml"
-    download.value.save_as(file)
-    job = sn.load(file, sn.Job)
-    assert job.robot.equals(page.model.robot)
-    assert job.scene.snapshot().equals(page.model.scene)
-    assert job.waypoints[0][0].equals(page.model.targets[0])
-    np.testing.assert_array_equal(job.start, page.model.q)
-    load(page, fresh, PATH)
-    settled(page)
-    fresh.get_by_role("tab", name="File").click()
-    fresh.locator("input[type=file]").set_input_files(file)
-    until(lambda: page.model.job is not PATH, "what was saved")
-    assert page.model.job.equals(job)
 
 
 def played(page: Page) -> bool:

@@ -46,8 +46,8 @@ def off_line(motion: sn.Motion, begin: int, end: int) -> Floats:
     return distances
 
 
-SEAMS = (0, 1, 2, 3, 5, 7)
-"""Two that are left, one that takes too long, and three that are followed."""
+SEAMS = (0, 1, 2)
+"""One that takes long, and two that are followed."""
 
 
 @pytest.mark.parametrize("number", SEAMS)

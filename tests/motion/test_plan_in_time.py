@@ -41,9 +41,13 @@ def test_a_plan_is_clear_at_all_times_and_keeps_the_rates(place: str, timing: Pl
     assert again.solved
 
 
-@pytest.mark.parametrize("place", ["crossing", "turning"])
 @pytest.mark.parametrize(
-    ("timing", "gains"), [({}, (8.0, 2.0)), ({}, (0.9, 0.3)), ({"duration": 9.0, "begin": 0.5}, (0.9, 0.3))]
+    ("place", "timing", "gains"),
+    [
+        ("crossing", {}, (8.0, 2.0)),
+        ("turning", {}, (0.9, 0.3)),
+        ("crossing", {"duration": 9.0, "begin": 0.5}, (0.9, 0.3)),
+    ],
 )
 def test_a_plan_keeps_accelerations(place: str, timing: PlanArguments, gains: tuple[float, float]) -> None:
     rates = sn.Rates(bend=0.8, length=0.3, acceleration=sn.Rates(bend=gains[0], length=gains[1]))

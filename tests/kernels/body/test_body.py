@@ -85,7 +85,7 @@ def prove(
 def test_the_proof_agrees_with_dense_sampling(reach: float, mount: float) -> None:
     rng = np.random.default_rng(round(10 * reach))
     verdicts = []
-    for q in configurations(5, N, 50):
+    for q in configurations(5, N, 25):
         scene = random_scene(rng, reach)
         verdict, clearance, where, fraction, which = prove(q, scene, mount)
         least, spacing = sampled(q, scene, mount)

@@ -118,7 +118,7 @@ def descended(problem: Problem, q: Floats, most: int = 60, deadline: int = NEVER
     return states.q[at].copy(), states.norms[at].copy(), verdict, used
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(st.integers(0, 10**6), st.sampled_from([WIDE, TIGHT]))
 def test_the_merit_never_grows(seed: int, robot: Robot) -> None:
     """A descent that may take one step more is the same one, and its best is no worse."""

@@ -17,7 +17,6 @@ from benchmarks.wild import calls, motions, trials, worlds
 from benchmarks.wild.trials import (
     CLEARANCE,
     DEMAND,
-    EXCEPTION,
     LIMITS,
     OVERLAP,
     SELF_OVERLAP,
@@ -33,7 +32,6 @@ from sinuous.answer.solution import Solution
 from sinuous.base.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.problem.target import Tolerance
-from sinuous.solver.solver import Solver
 from sinuous.statics.rest import bodies_at
 from tests.benchmarks.tampering import moved
 
@@ -89,15 +87,6 @@ def test_what_is_demanded_and_not_kept_is_seen(solution: Solution) -> None:
 def test_what_is_called_impossible(solution: Solution, code: int) -> None:
     said = changed(solution, code=code)
     assert kinds(world(BESIDE), said) == {str(said.status)}
-
-
-def test_a_call_that_ends_in_an_exception_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(*_: Any) -> Solution:
-        raise IndexError
-
-    monkeypatch.setattr(Solver, "solve", failing)
-    (trial,) = examine(world(BESIDE))
-    assert (trial.solved, trial.false) == (False, (EXCEPTION,))
 
 
 def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,13 +1,11 @@
 """Many targets at once: to the last bit what a loop finds, whatever the threads; made into solutions when asked for."""
 
-import csv
 import os
 import signal
 import sys
 import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,32 +29,6 @@ LONG = 20.0
 
 def tips(robot: sn.Robot, count: int, seed: int = 0) -> Floats:
     return robot.tip(shapes(robot, count, 2.0, seed))
-
-
-def test_motor_values_are_written_in_the_order_that_is_asked_for(tmp_path: Path) -> None:
-    positions = [*tips(TENDONS, 3)[:, :3, 3].tolist(), [9.0, 0.0, 0.0]]
-    many = sn.Solver(TENDONS).solve_many(positions=positions)
-    names, file = ["s2.t3", "s1.t1"], tmp_path / "motors.csv"
-    many.to_csv(file, names)
-    with file.open() as text:
-        header, *rows = csv.reader(text)
-    assert header == ["target", "status", *names]
-    assert [row[:2] for row in rows] == [[str(i), str(each)] for i, each in enumerate(many.status, 1)]
-    assert many.actuators is not None
-    for place, name in enumerate(names, 2):
-        assert [float(row[place]) for row in rows] == many.actuators[name].tolist()
-    many.to_csv(file)
-    assert file.read_text().splitlines()[0].split(",") == ["target", "status", *many.actuators]
-    many.to_csv(file, columns=["s2.t3", "s1.length"])
-    head, first = file.read_text().splitlines()[:2]
-    assert head == "target,status,s2.t3,s1.length"
-    assert [float(each) for each in first.split(",")[2:]] == [many.actuators["s2.t3"][0], many.q[0, 0, 2]]
-    refused("columns[0]", lambda: many.to_csv(file, columns=["speed"]))
-    refused("columns", lambda: many.to_csv(file, names, columns=names), "cannot be combined")
-    refused("actuators[0]", lambda: many.to_csv(file, ["s9.t1"]))
-    refused("actuators[1]", lambda: many.to_csv(file, ["s1.t1", "s1.t1"]))
-    refused("actuators", lambda: many.to_csv(file, "s1.t1"))
-    refused("robot", lambda: sn.Solver(FIXED).solve_many(positions=[[0.0, 0.0, 2.9]]).to_csv(file))
 
 
 def are_those_of_a_loop(solver: sn.Solver, many: Solutions, targets: Any, initial: Any = None) -> None:

@@ -293,27 +293,6 @@ def test_columns_have_names() -> None:
         assert derivative.actuators[name].shape == (6, len(derivative.labels(name)))
 
 
-def test_many_are_those_of_each() -> None:
-    rng = np.random.default_rng(0)
-    goals = np.array([1.0, 0.4, 3.0]) + 0.3 * rng.normal(size=(40, 3))
-    goals[5] = 9.0
-    answers = sn.Solver(ARM).solve_many(positions=goals)
-    many = answers.derivative(("target", "base"))
-    assert len(many) == 40
-    assert not many.regular[5]
-    assert np.isnan(many.q["base"][5]).all()
-    for i in (0, 7, 39):
-        one = answers[i].derivative(("target", "base"))
-        assert one.regular == many.regular[i]
-        np.testing.assert_array_equal(one.q["target"], many.q["target"][i])
-        np.testing.assert_allclose(one.tip["base"], many.tip["base"][i])
-    some = answers[[0, 7]].derivative()
-    cotangent, tangent = rng.normal(size=(2, 4, 3)), rng.normal(size=(2, 3))
-    back, motion = some.vjp(cotangent)["target"], some.jvp(tangent)
-    np.testing.assert_allclose((back * tangent).sum(axis=1), (cotangent * motion).sum(axis=(1, 2)))
-    assert answers[:0].derivative().q["target"].shape == (0, 4, 3, 3)
-
-
 def test_listed_targets_of_several_kinds_keep_all_columns() -> None:
     targets = [sn.Target((1.0, 0.4, 3.0)), sn.Target(direction=(0.3, 0.0, 1.0))]
     many = sn.Solver(ARM).solve_many(targets).derivative()

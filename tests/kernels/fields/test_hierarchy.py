@@ -7,7 +7,6 @@ import pytest
 
 import sinuous as sn
 from sinuous.kernels import tables as t
-from sinuous.kernels.body import pieces
 from sinuous.kernels.fields import distances
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, LOWER_BOUND, UPPER_BOUND
 from sinuous.scene.obstacles import Obstacle, Primitive
@@ -102,25 +101,6 @@ def test_machine_code_finds_what_some_obstacles_at_a_time_find(count: int) -> No
         apart = np.min([own.distance(points) for own in groups], axis=0)
         np.testing.assert_allclose(scene.distance(points), apart, rtol=1e-13, atol=1e-13)  # rows are rounded otherwise
         scene.move(scene.name(index), (3.0, 3.0, 3.0))
-
-
-@pytest.mark.parametrize("cells", [False, True])
-def test_those_near_are_listed_in_their_order_and_once(cells: bool) -> None:
-    rng = np.random.default_rng(3)
-    own, plain = both(sn.Scene(many(rng)), cells)
-    listed, expected = np.full((2, own.table.shape[0]), -1, np.int64)
-    for p in map(vec, places(40, rng)):
-        for reach in (0.2, 1.0, 4.0):
-            count, rest = pieces.near(own, p, reach, listed)
-            wanted, _ = pieces.near(plain, p, reach, expected)
-            # Meshes may be listed, too, that rounding puts before the reach.
-            sure = [i for i in expected[:wanted] if distances.evaluate(plain, i, p, math.inf, LOWER_BOUND)[0] < reach]
-            among = listed[:count].tolist()
-            assert among == [i for i in expected[:wanted] if i in among]
-            assert set(sure) <= set(among)
-            assert rest >= reach
-            few, _ = pieces.few_near(own, p, reach, listed)
-            assert few == (count if count <= pieces.FEW else pieces.MANY)
 
 
 @pytest.mark.parametrize("count", [t.MANY_OBSTACLES - 1, t.MANY_OBSTACLES])

@@ -98,18 +98,15 @@ def _trained(robot: str, scene: sn.Scene | None) -> Network:
 
 def entrants() -> list[Entrant]:
     """Return all methods; after `opti_path` what the paper says, after `learned` its network with one step and none."""
-    more = {
-        "opti_path": [Entrant(FAITHFUL, OptiPath.faithful())],
+    own: dict[str, list[Entrant]] = {
+        "opti_path": [Entrant("opti_path", "opti_path"), Entrant(FAITHFUL, OptiPath.faithful())],
         "learned": [
+            Entrant("learned", Learned()),
             Entrant("learned, one step", Learned(steps=1)),
             Entrant("learned, alone", Learned(steps=0)),
         ],
     }
-    return [
-        each
-        for name in METHODS
-        for each in (Entrant(name, Learned() if name == "learned" else name), *more.get(name, ()))
-    ]
+    return [each for name in METHODS for each in own.get(name, [Entrant(name, name)])]
 
 
 BLOCK = 10
@@ -298,15 +295,11 @@ def table1(plan: Plan) -> Experiment:
     for pose, (position, direction) in PAPER_POSES.items():
         target = sn.Target(position, direction=direction)
         problems = ProblemSet(arm(5, FREE_BEND), [target] * repeats, sn.Scene(), PAPER_TOLERANCE)
-        work = partial(share, everyone, partial(_same, problems), solve)
+        work = partial(share, everyone, partial(replace, problems), solve)
         heading = f"pose {pose}: position {position} mm, direction {direction}"
         parts[pose] = Divided([work] * count, partial(lines_of, heading, told=partial(_published, pose)))
     protocol = f"five segments, no obstacles, to {PAPER_TOLERANCE.position:g} mm and {PAPER_TOLERANCE.angle} rad"
     return Experiment("table1", plan, parts, f"{protocol}, from cold, at most {1e3 * PAPER_BUDGET:g} ms a solve")
-
-
-def _same(problems: ProblemSet) -> ProblemSet:
-    return problems
 
 
 def _published(pose: str, label: str, _: list[Record]) -> str:

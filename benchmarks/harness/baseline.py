@@ -97,15 +97,13 @@ def _line(figure: dict[str, Any]) -> Line:
     """The line of a figure, of which nothing is held: its goal says which way is better."""
     goal = Goal(math.nan, figure["less_is_better"], figure["correctness"])
     reached, solved = figure["reached"], figure["solved"]
+    named = {"section": figure["section"], "what": figure["what"], "unit": figure["unit"], "slack": figure["slack"]}
     return Line(
-        figure["section"],
-        figure["what"],
-        math.nan if reached is None else reached,
-        figure["unit"],
-        goal,
+        **named,
+        reached=math.nan if reached is None else reached,
+        goal=goal,
         solved=None if solved is None else tuple(solved),
         noise=figure["tolerance"],
-        slack=figure["slack"],
         reference=figure["reference"],
     )
 

@@ -292,7 +292,7 @@ AUDITED: dict[str, Callable[[int, int], World]] = {
     "several radii and hinges": radii,
     "demanded clearances": demands,
     "robots under load": loaded,
-    "arms with joints, solved": jointed,
+    "arms with joints": jointed,
 }
 
 

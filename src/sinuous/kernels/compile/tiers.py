@@ -189,13 +189,13 @@ PIECES = (
     Piece(
         "the method opti_path",
         10,
-        ("methods.opti_path.search.search", "methods.opti_path.potential.sample"),
+        ("methods.opti_path.search.search", "methods.opti_path.path.sample"),
     ),
     Piece("the method dls", 4, ("methods.dls.search",)),
     Piece("the methods fabrikc, fabrikx and fabrik_avoid", 7, ("methods.fabrik.reaching.search",)),
     Piece("the method slinki", 6, ("methods.slinki.search",)),
     Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",)),
-    Piece("the method learned", 4, ("methods.learned.search.search",)),
+    Piece("the method learned", 4, ("methods.learned.search",)),
 )
 """All that is compiled, what most users need first."""
 

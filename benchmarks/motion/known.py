@@ -1,4 +1,4 @@
-"""Plans for which a motion is known: from the straight robot into places that were made around a hidden motion.
+"""Plans for which a motion is known: into places around hidden motions, from outside or from another shape there.
 
 Hidden motions lead to a shape, within all limits, and nowhere near themselves. In one kind the straight body wanders
 through random shapes. In the others the tip leads in: the body is drawn back from the hidden shape along itself. In one
@@ -73,17 +73,34 @@ LOOKS = 12
 """Configurations a step at most, and more than one where the motion is looked at whether it keeps clear of itself."""
 
 
-def draw_motion(robot: Robot, kind: str, rng: Generator) -> Floats:
-    """Draw the knots (T, n, 3) of a motion that is linear between them; see `keeps_apart`."""
+def draw_motions(robot: Robot, kind: str, rng: Generator, another: bool) -> list[Floats]:
+    """Draw the knots (T, n, 3) of a motion that is linear between them; see `keeps_apart`.
+
+    With `another`, draw also one from where it begins to another shape of the same kind. Of threading bodies both
+    shapes are alike up to the hole; where no segment is beyond it, there is one motion alone.
+    """
+    motion, hole = _draw_motion(robot, kind, rng)
+    q = motion[-1]
+    place = hole * float(q[:, 2].sum())
+    alike = int((np.cumsum(q[:, 2]) < place).sum()) + 1 if kind == THREADING else 0
+    if not another or alike >= len(q):
+        return [motion]
+    return [motion, np.concatenate([motion[:1], _draw_motion(robot, kind, rng, q[:alike], place)[0]])]
+
+
+def _draw_motion(
+    robot: Robot, kind: str, rng: Generator, first: Floats | None = None, place: float = 0.0
+) -> tuple[Floats, float]:
+    """Draw a motion, and the share of the length where its hole is; the first segments, and the place, may be given."""
     radius = max(robot.radii)
     count = int(rng.integers(*SHAPES)) if kind == WANDERING and len(robot) < FEW else 1
-    shapes = [draw_shape(robot, APART * radius, rng) for _ in range(count)]
+    shapes = [draw_shape(robot, APART * radius, rng, first=first) for _ in range(count)]
     if kind == THREADING:
-        hole = rng.uniform(*HOLE)
-        return np.stack(drawn_back(robot, shapes[0], 1.0 - hole + OUT, hole)[::-1])
+        hole = place / float(shapes[0][:, 2].sum()) if place > 0.0 else rng.uniform(*HOLE)
+        return np.stack(drawn_back(robot, shapes[0], 1.0 - hole + OUT, hole)[::-1]), hole
     if kind == LEADING:
         shapes = drawn_back(robot, shapes[0], rng.uniform(*BACK))[::-1]
-    return np.stack([straight(robot), *shapes])
+    return np.stack([straight(robot), *shapes]), 0.0
 
 
 def keeps_apart(robot: Robot, knots: Floats) -> bool:
@@ -188,16 +205,20 @@ DRAWS = 400
 """Balls that are drawn for each that is wanted."""
 
 
-def swept(robot: sn.Robot, knots: Floats) -> Floats:
-    """Points (m, 3) of the backbone on the whole way, that no place of it is far from."""
-    points, _ = body_points(robot, samples(knots), BODY_SAMPLES)
+Ways = Sequence[Floats]
+"""Knots (T, n, 3) of motions that begin at the same configuration; walls are put about the first."""
+
+
+def swept(robot: sn.Robot, ways: Ways) -> Floats:
+    """Points (m, 3) of the backbone on all of the ways, that no place of it is far from."""
+    points, _ = body_points(robot, np.concatenate([samples(knots) for knots in ways]), BODY_SAMPLES)
     return points.reshape(-1, 3)
 
 
-def balls(robot: sn.Robot, knots: Floats, rng: Generator, count: int) -> list[sn.Sphere] | None:
-    """Put balls beside shapes of a motion (T, n, 3), clear of all of it; `None` where there is no room for so many."""
-    unit, tree = max(robot.radii), cKDTree(swept(robot, knots))
-    way = samples(knots)
+def balls(robot: sn.Robot, ways: Ways, rng: Generator, count: int) -> list[sn.Sphere] | None:
+    """Put balls beside shapes of motions, clear of all of them; `None` where there is no room for so many."""
+    unit, tree = max(robot.radii), cKDTree(swept(robot, ways))
+    way = np.concatenate([samples(knots) for knots in ways])
     found: list[sn.Sphere] = []
     for _ in range(DRAWS * count):
         size = unit * rng.uniform(SMALLEST, LARGEST)
@@ -213,10 +234,10 @@ def balls(robot: sn.Robot, knots: Floats, rng: Generator, count: int) -> list[sn
     return None
 
 
-def plates(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Box]:
-    """Put plates of bars across the shape where a motion (T, n, 3) ends, with openings that the motion needs."""
-    unit, points = max(robot.radii), swept(robot, knots)
-    poses = curve_of(robot, knots[-1], 40).poses
+def plates(robot: sn.Robot, ways: Ways, rng: Generator) -> list[sn.Box]:
+    """Put plates of bars across the shape where the first motion ends, with openings that all motions need."""
+    unit, points = max(robot.radii), swept(robot, ways)
+    poses = curve_of(robot, ways[0][-1], 40).poses
     count = int(rng.integers(FEWEST, MOST + 1))
     shares = 0.25 + 0.65 * (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count
     return [
@@ -248,28 +269,28 @@ def _plate(pose: Floats, points: Floats, unit: float, name: str) -> list[sn.Box]
     return found
 
 
-def doors(which: str, robot: sn.Robot, knots: Floats, rng: Generator, mesh: bool = False) -> list[Obstacle] | None:
-    """Put a cell with one door around where a motion (T, n, 3) ends (`in`) or around the base (`out`), or both (`two`).
+def doors(which: str, robot: sn.Robot, ways: Ways, rng: Generator, mesh: bool = False) -> list[Obstacle] | None:
+    """Put a cell with one door around where motions end (`in`) or around the base (`out`), or both (`two`).
 
-    The common wall of two has a slit, too, that is too narrow. `None` where it needs too wide a door. Walls are boxes,
+    The common wall of two has a slit, too, that is too narrow. `None` where they need too wide a door. Walls are boxes,
     or one mesh.
     """
-    cells = _cells(robot, knots, rng)
+    cells = _cells(robot, ways, rng)
     if cells is None:
         return None
     walls = common_wall(*cells, min(robot.radii), rng) if which == "two" else cells[which == "in"].boxes("cell")
     return [one_mesh(walls, robot)] if walls is not None and mesh else walls  # type: ignore[return-value]
 
 
-def _cells(robot: sn.Robot, knots: Floats, rng: Generator) -> tuple[Cell, Cell] | None:
-    """Cells on both sides of the middle of a wall: around the base, and around where the motion ends."""
-    points, unit = swept(robot, knots), max(robot.radii)
-    frame = _ahead(robot, knots, rng)[0]
+def _cells(robot: sn.Robot, ways: Ways, rng: Generator) -> tuple[Cell, Cell] | None:
+    """Cells on both sides of the middle of a wall: around the base, and around where motions end."""
+    points, unit = swept(robot, ways), max(robot.radii)
+    frame = _ahead(robot, ways[0], rng)[0]
     local = in_frame(frame, points)
     through = local[np.abs(local[:, 2]) < (1.0 + WALLS[1]) * unit, :2]
     low, high = through.min(axis=0), through.max(axis=0)
     half = 0.5 * (high - low) + (1.0 + rng.uniform(*GAP)) * unit
-    begin = in_frame(frame, curve_of(robot, knots[0], RINGS).points)
+    begin = in_frame(frame, curve_of(robot, ways[0][0], RINGS).points)
     if half.max() > WIDEST * unit or begin[:, 2].max() > 0.0:
         return None
     frame[:3, 3] += frame[:3, :2] @ (0.5 * (low + high))
@@ -288,12 +309,12 @@ def _ahead(robot: sn.Robot, knots: Floats, rng: Generator) -> Floats:
     return curve.poses[min(begin, len(curve.poses) - 1 - FINE) :].copy()
 
 
-def pipe(robot: sn.Robot, knots: Floats, rng: Generator) -> list[sn.Mesh] | None:
-    """Put a pipe, open at both ends, where a motion (T, n, 3) leads in; `None` as before."""
+def pipe(robot: sn.Robot, ways: Ways, rng: Generator) -> list[sn.Mesh] | None:
+    """Put a pipe, open at both ends, where motions lead in; `None` as before."""
     unit = max(robot.radii)
-    ahead = _ahead(robot, knots, rng)
+    ahead = _ahead(robot, ways[0], rng)
     axis = ahead[: max(FINE + 1, round((1.0 - rng.uniform(*ENDS)) * len(ahead)))]
-    gaps, at = map(np.asarray, cKDTree(axis[:, :3, 3]).query(swept(robot, knots)))
+    gaps, at = map(np.asarray, cKDTree(axis[:, :3, 3]).query(swept(robot, ways)))
     along = gaps[(at > 0) & (at < len(axis) - 1) & (gaps < (WIDEST + ALONG) * unit)]
     inside = float(along.max(initial=0.0)) + (1.0 + rng.uniform(*GAP)) * unit
     if inside > WIDEST * unit:
@@ -315,8 +336,11 @@ SECONDS = 5.0
 PATIENCE = 300
 """Draws of one place before its family counts as having none."""
 
-Around = Callable[[sn.Robot, Floats, Generator], Sequence[Obstacle] | None]
-"""From a robot and the knots of a motion (T, n, 3) to what stands around it; `None` where there is no room."""
+Around = Callable[[sn.Robot, Ways, Generator], Sequence[Obstacle] | None]
+"""From a robot and motions to what stands around them; `None` where there is no room."""
+
+FROM_ANOTHER = ", from another shape"
+"""Ending of the names of families whose plans begin at a shape in the place, to which a second hidden motion leads."""
 
 
 class Hidden(NamedTuple):
@@ -342,13 +366,18 @@ _ANY: dict[str, Around] = {
 }
 _DOORS = {"door in": "in", "door out": "out", "two doors": "two"}
 
-FAMILIES: dict[str, tuple[str, Around, Callable[[int, Generator], sn.Robot]]] = {
+_FROM_OUTSIDE: dict[str, tuple[str, Around, Callable[[int, Generator], sn.Robot]]] = {
     **{f"{what}, {kind}": (kind, around, robot_of) for what, around in _ANY.items() for kind in KINDS},
     **{what: (THREADING, partial(doors, which), robot_of) for what, which in _DOORS.items()},
     **{f"{what} mesh": (THREADING, partial(doors, which, mesh=True), robot_of) for what, which in _DOORS.items()},
     "pipe between": (THREADING, pipe, robot_of),
     "folded": (THREADING, partial(doors, "out"), longest),
     "folded mesh": (THREADING, partial(doors, "out", mesh=True), longest),
+}
+FAMILIES = {
+    **_FROM_OUTSIDE,
+    **{name + FROM_ANOTHER: family for name, family in _FROM_OUTSIDE.items()},
+    "pipe between" + FROM_ANOTHER: (THREADING, pipe, longest),  # others have no segment beyond a pipe
 }
 """How the hidden motion goes, what stands around it, and what makes a robot of a seed."""
 
@@ -361,13 +390,14 @@ def make(family: str, seed: int) -> Hidden:
     RuntimeError
         When none is found.
     """
-    kind, around, robots = FAMILIES[family]
+    another, (kind, around, robots) = family.endswith(FROM_ANOTHER), FAMILIES[family]
     for attempt in range(PATIENCE):
         rng = np.random.default_rng([crc32(family.encode()), seed, attempt])
         robot = robots(seed, rng)
-        knots = draw_motion(robot, kind, rng)
-        obstacles = around(robot, knots, rng)
-        if obstacles is None or not keeps_apart(robot, knots):
+        ways = draw_motions(robot, kind, rng, another)
+        knots = np.concatenate([*(way[:0:-1] for way in ways[1:]), ways[0]])
+        obstacles = around(robot, ways, rng) if len(ways) == 1 + another and keeps_apart(robot, knots) else None
+        if obstacles is None:
             continue
         scene = sn.Scene(list(obstacles))
         if not wrong_in(robot, scene, knots):

@@ -13,6 +13,7 @@ from sinuous.base.errors import InputError
 from sinuous.kernels.certificate.query import CLEARANCES
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.motion.plan import Planner
+from sinuous.motion.planning import rrt_connect
 from sinuous.solver.certificates.steps import prove_steps
 from tests.motion.planning.places import STRETCHING as ROBOT
 from tests.motion.planning.places import pair
@@ -42,6 +43,19 @@ def test_a_plan_to_a_configuration_is_proved_and_judged_clear() -> None:
         assert max(ROBOT.excess(q) for q in motion.q) < 1e-12
         knots.append(len(motion.q))
     assert max(knots) > 2  # not all of them are straight
+
+
+def test_plans_among_many_obstacles_list_who_is_near_and_stay_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, (start, goal) = pair(3)
+    rods = [sn.Capsule((8.0, i, 0.0), (8.0, i, 1.0), 0.1) for i in range(48)]
+    motions = []
+    for easy in (rrt_connect.EASY, 0):
+        monkeypatch.setattr(rrt_connect, "EASY", easy)
+        crowded = sn.Scene([*scene.obstacles, *rods])
+        motions.append(sn.plan(ROBOT, start, goal, crowded).q)
+    assert crowded.snapshot()._listed is not None
+    assert len(motions[0]) > 2
+    np.testing.assert_array_equal(motions[0], motions[1])
 
 
 def length(motion: sn.Motion) -> float:

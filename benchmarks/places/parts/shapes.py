@@ -1,7 +1,7 @@
 """Hidden shapes: smoothly bent, and nowhere near themselves, so that a wall fits around them."""
 
 import math
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -74,16 +74,21 @@ def lengthened(poses: Floats, by: float) -> Floats:
 
 
 def draw_shape(
-    robot: sn.Robot, apart: float, rng: Generator, least_ahead: float = -1.0, straight: Container[int] = ()
+    robot: sn.Robot,
+    apart: float,
+    rng: Generator,
+    least_ahead: float = -1.0,
+    straight: Container[int] = (),
+    first: Floats | None = None,
 ) -> Floats:
     """Draw a configuration (n, 3) whose backbone keeps `apart` from itself.
 
     Places count as apart from each other when they are farther along the backbone than half a circle of that diameter.
     No tangent makes an angle with the base's whose cosine is less than `least_ahead`. The segments `straight` (0 is the
-    first) do not bend.
+    first) do not bend. The first segments may be given (m, 3).
     """
     while True:
-        q = _grow(robot, apart, rng, least_ahead, straight)
+        q = _grow(robot, apart, rng, least_ahead, straight, () if first is None else first)
         if q is not None:
             return q
 
@@ -93,7 +98,14 @@ def keeps_from_itself(curve: Curve, apart: float) -> bool:
     return _keeps_apart(curve.points, curve.along, curve.points, curve.along, apart)
 
 
-def _grow(robot: sn.Robot, apart: float, rng: Generator, least_ahead: float, straight: Container[int]) -> Floats | None:
+def _grow(
+    robot: sn.Robot,
+    apart: float,
+    rng: Generator,
+    least_ahead: float,
+    straight: Container[int],
+    first: Sequence[Floats] | Floats,
+) -> Floats | None:
     """Add one segment after the other, each free of those before; `None` where there is no way on."""
     found: list[Floats] = []
     pose = robot.base
@@ -102,7 +114,7 @@ def _grow(robot: sn.Robot, apart: float, rng: Generator, least_ahead: float, str
     for k, segment in enumerate(robot.segments):
         for _ in range(TRIES):
             turned = plane + TURNING * rng.normal()
-            coordinates = _draw_segment(segment, turned, rng)
+            coordinates = _draw_segment(segment, turned, rng) if k >= len(first) else first[k].copy()
             if k in straight:
                 coordinates[:2] = 0.0
             poses = arc(pose, coordinates, SAMPLES)

@@ -102,7 +102,9 @@ def test_a_seed_makes_its_place_again(family: str) -> None:
     assert not np.array_equal(first.target.table, other.target.table)
 
 
-@pytest.mark.parametrize("family", ["40 balls, leading", "plates, wandering", "two doors", "pipe between"])
+@pytest.mark.parametrize(
+    "family", ["40 balls, leading", "plates, wandering", "two doors", "door in, from another shape"]
+)
 def test_a_motion_is_hidden_in_places_to_plan_into(family: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """What `make` has looked at with few samples is clear at others, too, and what stands around is near."""
     monkeypatch.setattr("benchmarks.judges.motions.A_STEP", 10)

@@ -13,6 +13,7 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.certificate.sweep import sweep_size
+from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
 from sinuous.model.robot import Robot, robot_group
 from sinuous.motion.planning.local_planner import QueryEnds, roots_of
@@ -32,6 +33,9 @@ MOST_KNOTS = 4_000
 
 ROUNDS = (64, 256, 1024)
 """Draws after which more goals are looked for. Then the trees are planted anew with other draws, twice as many."""
+
+EASY = 16
+"""Draws of the first round among very many obstacles; before the others, it is listed where which of them are near."""
 
 NARROW = 0.1875
 """A tree with no more nodes than this share of the draws of the first round grows from a narrow place."""
@@ -99,7 +103,7 @@ class RRTConnect:
         first, second = (len(nodes_of(self._workspace, len(self._robot), side)) for side in (0, 1))
         return first, second
 
-    @cached_property
+    @property
     def _groups(self) -> tuple[Floats, Floats]:
         return robot_group(self._robot), self._scene._kernel_group
 
@@ -154,6 +158,11 @@ def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[Pr
             yield path
         goals = query.goals.with_simplest()
     roots = np.concatenate([query.start[None], goals])
+    if query.scene.has_hierarchy:
+        path = trees.grow(roots, seed, (0, EASY), deadline, query.shortcuts)
+        if path is not None:
+            yield path
+        query.scene.list_near(query.robot.base[:3, 3], query.robot.longest, ball_radius(query.robot.limits))
     path = trees.grow(roots, seed, (first, last), deadline, query.shortcuts)
     ends.narrow = path is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW * last
     yield path

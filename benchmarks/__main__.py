@@ -38,46 +38,25 @@ class Known(NamedTuple):
 KNOWN = {
     "speed": Known("every speed and success figure of the README (10 minutes)", "speed.experiment"),
     "clutter": Known(
-        "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
-        "clutter",
-        "clutter",
+        "intricate places, each known to be possible: what is solved, and how quickly", "clutter", "clutter"
     ),
-    "wild": Known(
-        "anything that can be built, each problem with a hidden solution, every claim judged", "wild.experiment", "wild"
-    ),
+    "wild": Known("anything that can be built, with hidden solutions, every claim judged", "wild.experiment", "wild"),
     "many": Known("batches through files, and engines", "many"),
     "motion": Known(
-        "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
-        "motion.experiment",
+        "motions planned, tracked, led and stepped: what is found, and whether it is clear", "motion.experiment"
     ),
-    "seams": Known(
-        "welds, seams and other paths: how many are followed whole, and whether the tip stays on them", "motion.seams"
-    ),
-    "limits": Known(
-        "limits of tension in control steps and motions of elastic arms, with and without load", "motion.limits"
-    ),
-    "derivatives": Known(
-        "derivatives of answers: what they cost, and whether differences agree with them", "derivatives"
-    ),
+    "seams": Known("welds, seams and other paths: followed whole, and whether the tip stays on them", "motion.seams"),
+    "limits": Known("limits of tension in steps and motions of elastic arms, loaded or not", "motion.limits"),
+    "derivatives": Known("derivatives of answers: their costs, and whether differences agree", "derivatives"),
     "design": Known("robots for sets of tasks, against random ones and a template", "design"),
-    "real": Known(
-        "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
-        "real",
-    ),
+    "real": Known("robots as they are, beside published figures: calibrated, and under load", "real"),
     "workspace": Known("maps of three published robots, against solves at random places", "workspace"),
-    "inputs": Known(
-        "files in every dialect, whole and broken: right, refused, or noted; notes of wrong units; large meshes",
-        "inputs",
-    ),
+    "inputs": Known("files in every dialect: right, refused, or noted; wrong units; large meshes", "inputs"),
     "view": Known("pages: from an event of the mouse to a new shape, and pages in files", "view"),
-    "worlds": Known(
-        "100,000 small worlds with doors, each known to be possible: false claims that are rare", "clutter", "worlds"
-    ),
+    "worlds": Known("100,000 small worlds with doors: false claims that are rare", "clutter", "worlds"),
     "table1": Known("the paper's four poses, every method, beside what the paper publishes", "methods", "table1"),
     "tracking": Known("a path of 180 points behind random spheres, every method", "methods", "tracking"),
-    "segments": Known(
-        "how the time of an iteration, and of a solve, grows with the number of segments", "methods", "segments"
-    ),
+    "segments": Known("how times grow with the number of segments", "methods", "segments"),
     "methods": Known("all methods on common random problems, with and without obstacles", "methods", "methods"),
 }
 
@@ -104,27 +83,14 @@ Out = Annotated[
 Seed = Annotated[int, typer.Option(help="Of all random problems.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
 Rounds = Annotated[int, typer.Option(help="How often all is measured; of wild, 100,000 fresh problems each.")]
-Against = Annotated[
-    Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
-]
+Against = Annotated[Path | None, typer.Option(metavar="BASELINE", help="Exit with 1 if anything is worse than there.")]
 Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
-Record = Annotated[
-    Path | None,
-    typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt: docs/results is shown on the site."),
-]
+Record = Annotated[Path | None, typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt.")]
 Parts = Annotated[
     list[str] | None,
-    typer.Option(
-        "--piece",
-        metavar="NAME",
-        help="Only this part, or those that a pattern like 'P5*' fits; repeat for more. What fits none is answered "
-        "with all names.",
-    ),
+    typer.Option("--piece", metavar="NAME", help="Only this part, or a pattern like 'P5*'; repeat for more."),
 ]
-Without = Annotated[
-    str | None,
-    typer.Option(metavar="NAME,NAME", help="Of clutter, attempts of the solver that are switched off."),
-]
+Without = Annotated[str | None, typer.Option(metavar="NAME,NAME", help="Of clutter, attempts to switch off.")]
 
 
 @app.command(
@@ -214,10 +180,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _help(named: str | None) -> str:
     """What `--help` begins with: about the measurement that was named, or else about all."""
-    told = {
-        **{name: known.about for name, known in KNOWN.items()},
-        **{name: about for name, (_, about) in TOOLS.items()},
-    }
+    told = {name: known.about for name, known in KNOWN.items()} | {name: about for name, (_, about) in TOOLS.items()}
     listed = "\n".join(f"{name}: {about}" for name, about in told.items())
     text = f"Measure {named}: {KNOWN[named].about}." if named else f"Measure one of these.\n\n\b\n{listed}"
     return f"{text}\n\nOnly verified answers count."

@@ -82,11 +82,8 @@ def random_shape(robot: sn.Robot, rng: Generator) -> Floats:
 
 def targets_at(robot: sn.Robot, q: Floats, rng: Generator) -> list[sn.Target]:
     """Return targets that a configuration meets, of no more numbers than can be moved."""
-    tip, movable, kind = (
-        robot.tip(q),
-        int((robot.limits[:, 5:7] > 0.0) @ [2, 1] @ np.ones(len(robot))),
-        rng.integers(0, 5),
-    )
+    movable = int((robot.limits[:, 5:7] > 0.0) @ [2, 1] @ np.ones(len(robot)))
+    tip, kind = robot.tip(q), rng.integers(0, 5)
     if kind == 0 and movable > 5:
         return [sn.Target(tip[:3, 3], direction=tip[:3, 2])]
     if kind == 1 and movable > 6:
@@ -299,15 +296,10 @@ def random_tangent(found: sn.Solution, rng: Generator) -> Tangent:
     robot, problem = found.problem.robot, found.problem
     size, n = robot.mean_length, len(robot)
     twist = np.array([1.0, 1.0, 1.0, size, size, size])
-    target = [
-        scale * rng.normal(size=3)
-        for each in problem.targets
-        for scale, asked in (
-            (size, each.position is not None),
-            (1.0, each.direction is not None or each.rotation is not None),
-        )
-        if asked
-    ]
+    target = []
+    for each in problem.targets:
+        turns = each.direction is not None or each.rotation is not None
+        target += [scale * rng.normal(size=3) for scale in [size] * (each.position is not None) + [1.0] * turns]
     return {
         "target": np.concatenate(target),
         "base": twist * rng.normal(size=6),

@@ -187,16 +187,8 @@ def lead(count: int, seed: int) -> str:
         found.append((float(off[:, -1, -1].max()), float(off.mean()), float(off.max())))
     tip, shape, most = np.array(found).reshape(-1, 3).T
     times = Times.of([1e3 * each for each in seconds] or [math.nan])
-    head = [
-        "led, six axes and three segments",
-        "of",
-        "wrong",
-        "tip, %, worst",
-        "shape, %, mean",
-        "worst",
-        "median, ms",
-        "p95",
-    ]
+    head = ["led, six axes and three segments", "of", "wrong", "tip, %, worst"]
+    head += ["shape, %, mean", "worst", "median, ms", "p95"]
     figures = [f"{each:.3f}" for each in (tip.max(), shape.mean(), most.max())]
     cells = [[str(len(found)), str(count), str(wrong), *figures, f"{times.median:.3g}", f"{times.p95:.3g}"]]
     return table([head, *cells, ["goal", "", "0", "0.000", "1", "", "50", ""]])

@@ -156,17 +156,18 @@ def tendon_robot(_: Plan) -> list[Line]:
         errors.append(off["VCref"])
         others.append(250.0 * float(np.linalg.norm(case.tips["PCC"] - case.tips["VCref"])))
     note = "PCC there {:.2g} % in the median. {}".format(np.median(others), "; ".join(names))
+    times, what = Times.of(seconds), "one equilibrium, from the straight robot"
     return [
         Line(TENDON_ROBOT, "distance of the tip, median", float(np.median(errors)), "%", Goal(0.1), note=note),
         Line(TENDON_ROBOT, "distance of the tip, 95 %", float(np.quantile(errors, 0.95)), "%", Goal(0.5)),
         Line(TENDON_ROBOT, "share within 0.5 %", 100.0 * float(np.mean(np.array(errors) <= 0.5)), "%"),
         Line(
             TENDON_ROBOT,
-            "one equilibrium, from the straight robot",
-            float(np.median(seconds)),
+            what,
+            times.median,
             "us",
             Goal(100e-6),
-            Times.of(seconds),
+            times,
             note="there 18 to 1,900 ms; compiled code alone",
         ),
     ]
@@ -213,10 +214,7 @@ def _rod(young: float, poisson: float, density: float, radius: float, length: fl
     return Rod(stiffness, density * math.pi * radius**2, length)
 
 
-ROD_MATERIALS = {
-    "springsteel": _rod(200e9, 0.33, 7870.0, 0.8e-3, 0.6),
-    "tpu": _rod(70e6, 0.4, 1200.0, 5e-3, 0.4),
-}
+ROD_MATERIALS = {"springsteel": _rod(200e9, 0.33, 7870.0, 0.8e-3, 0.6), "tpu": _rod(70e6, 0.4, 1200.0, 5e-3, 0.4)}
 
 
 def rods(name: str, plan: Plan) -> list[Line]:
@@ -376,19 +374,14 @@ def solves(sections: int, spheres: int, goal: float, plan: Plan) -> list[Line]:
     errors = [_off(robot, found.q, target) for found, target in answered[:judged]]
     what = f"{sections} sections" + (f" among {spheres} spheres" if spheres else "")
     times = Times.of(seconds)
+    told = f"{judged} answers; worst {max(errors):.2g} %"
     agrees = 100.0 * float(np.mean(np.array(errors) <= NEAR))
     return [
         Line(SECTION, f"{what}: a solve", times.median, "ms", Goal(goal), times, (solved, count)),
         Line(SECTION, f"{what}: solved", 100.0 * solved / count, "%", Goal(99.9, at_most=False)),
         Line(SECTION, f"{what}: answers that do not verify", float(wrong), "", Goal(0.0, correctness=True)),
         Line(SECTION, f"{what}: tip of a Cosserat rod off by, median", float(np.median(errors)), "%"),
-        Line(
-            SECTION,
-            f"{what}: off by at most {NEAR} %",
-            agrees,
-            "% of answers",
-            note=f"{judged} answers; worst {max(errors):.2g} %",
-        ),
+        Line(SECTION, f"{what}: off by at most {NEAR} %", agrees, "% of answers", note=told),
     ]
 
 

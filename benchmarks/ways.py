@@ -225,9 +225,7 @@ ONE_OFF = (f"without {name}" for name in ATTEMPTS if name != "remembered")  # th
 
 WAYS = {
     "ablation": Ways(
-        "each attempt of the solver switched off",
-        without_attempts,
-        dict.fromkeys([EVERYTHING, *ONE_OFF], EVERYTHING),
+        "each attempt of the solver switched off", without_attempts, dict.fromkeys([EVERYTHING, *ONE_OFF], EVERYTHING)
     ),
     "demanded": Ways(
         "a clearance that is demanded, and a body that is thicker by as much",

@@ -97,14 +97,12 @@ def _line(figure: dict[str, Any]) -> Line:
     """The line of a figure, of which nothing is held: its goal says which way is better."""
     goal = Goal(math.nan, figure["less_is_better"], figure["correctness"])
     reached, solved = figure["reached"], figure["solved"]
-    named = {"section": figure["section"], "what": figure["what"], "unit": figure["unit"], "slack": figure["slack"]}
     return Line(
-        **named,
+        **{key: figure[key] for key in ("section", "what", "unit", "slack", "reference")},
         reached=math.nan if reached is None else reached,
         goal=goal,
         solved=None if solved is None else tuple(solved),
         noise=figure["tolerance"],
-        reference=figure["reference"],
     )
 
 

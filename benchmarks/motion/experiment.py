@@ -3,12 +3,5 @@
 from benchmarks.harness.experiment import Part
 from benchmarks.motion import known, leader, loops, moving, p5, tracks
 
-PARTS: dict[str, Part] = {
-    **p5.PARTS,
-    **tracks.PARTS,
-    **leader.PARTS,
-    **loops.PARTS,
-    **moving.PARTS,
-    **known.PARTS,
-}
+PARTS: dict[str, Part] = {**p5.PARTS, **tracks.PARTS, **leader.PARTS, **loops.PARTS, **moving.PARTS, **known.PARTS}
 """What is measured, in order."""

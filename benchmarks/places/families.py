@@ -79,10 +79,7 @@ _TRAPS: dict[str, tuple[Trap, str]] = {
 }
 _JUDGING: dict[str, tuple[Trap, str]] = {
     "helix": (tubes.helix, "a helical pipe, open at both ends, the base before its mouth or in it, a mesh"),
-    "bronchi": (
-        tubes.bronchi,
-        "a tree of tapering tubes, the base in its mouth, the target in a leaf, a mesh",
-    ),
+    "bronchi": (tubes.bronchi, "a tree of tapering tubes, the base in its mouth, the target in a leaf, a mesh"),
     "stenosis": (tubes.stenosis, "a pipe with throats, the base before its mouth or in it, a mesh"),
     "lattice": (media.lattice, "struts along three axes, capsules"),
     "rubble": (media.rubble, "a heap of boxes and convex stones, meshes"),
@@ -102,7 +99,7 @@ _CROWDS: dict[str, tuple[Trap, str]] = {
 }
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
 _STAGED: dict[str, tuple[Draw, str]] = {
-    "stage": (bases.staged, "on a stage of 3 to 50 segments' lengths, what is narrow about the target, or between"),
+    "stage": (bases.staged, "on a stage of 3 to 50 segments' lengths, what is narrow about the target, or between")
 }
 _CARRIED: dict[str, tuple[Draw, str]] = {
     "six axes": (partial(bases.carried, bases.six_axes), "on an elbow robot of six axes, the same"),

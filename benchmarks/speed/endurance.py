@@ -96,12 +96,8 @@ def _goals(problems: ProblemSet, count: int) -> GoalArrays:
         values = [getattr(target, name) for target in problems.targets]
         return None if values[0] is None else np.resize(np.array(values), (count, *values[0].shape))
 
-    return {
-        "positions": column("position"),
-        "directions": column("direction"),
-        "rotations": column("rotation"),
-        "xyzw": None,
-    }
+    positions, directions, rotations = (column(name) for name in ("position", "direction", "rotation"))
+    return {"positions": positions, "directions": directions, "rotations": rotations, "xyzw": None}
 
 
 def _seconds(solver: Solver, goals: GoalArrays, workers: int) -> float:

@@ -104,6 +104,7 @@ CALLS = {
             "--dask here": "--dask: expected tcp://HOST:PORT",
             "--dask local --engine processes": "--dask: cannot be combined with --engine",
             "--shard 3/2": "--shard: expected I/N",
+            "--shard 0/2": "--shard: expected I/N",
             "--chunk 0": "--chunk: ",
             "--workers 0": "--workers: ",
             "--out out.txt": "--out: expected a name that ends in .csv",

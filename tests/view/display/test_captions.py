@@ -15,6 +15,7 @@ def test_lines_differ_also_of_shapes_that_bend_alike() -> None:
     found = [sn.solve(ROBOT, sn.Target(ROBOT.tip(each)), initial=each) for each in (q, mirrored, longer)]
     lines = describe_solutions(found)
     assert len(set(lines)) == 3
+    assert caption_of(found) == "3 of 3 solved"
     assert lines[0].startswith("1: bends ")
     assert "by (" in lines[0]
     assert "by (" in lines[1]

@@ -345,8 +345,13 @@ ROD = sn.Stiffness(bend=0.01, twist=0.008)
 MASS, CARRIED = 0.05, 0.01
 """Of the body, kg / m; of the payload, kg. It moves the tips of these robots by some 30 % of their length."""
 
-STIFF = 1e6
-"""EA of the judge's rod, N: it does not stretch."""
+STIFF, STIFF_SECTION = 1e6, 100.0
+"""EA of the judge's rod, N: it does not stretch; EI and GJ of what does not bend or twist."""
+
+SHAPES = "shapes under gravity and payload: tapered sections, some stiff or in a plane"
+
+MOVED = 0.4
+"""By how much loads may move the tip of a robot that is drawn, as a share of its length."""
 
 NEAR = 0.5
 """Percent of the length by which the judge's tip may be off."""
@@ -408,15 +413,52 @@ def _targets(random: np.random.Generator, robot: sn.Robot, scene: list[sn.Sphere
 
 def _off(robot: sn.Robot, q: Floats, target: sn.Target) -> float:
     """Distance of the judge's tip from the target, in percent of the length."""
-    rests = np.array([[-y / length, x / length, 0.0] for x, y, length in q])
-    loads = np.zeros((len(q), 6))
-    loads[-1, :3] = CARRIED * GRAVITY
-    stiffness, weights = np.array([[ROD.bend, ROD.twist, STIFF]] * len(q)), np.tile(MASS * GRAVITY, (len(q), 1))
-    reaction = robot.shape(q).reaction
-    guess = -np.concatenate([reaction[3:], reaction[:3]])
-    tip = shoot(q[:, 2], stiffness, rests, weights, loads, robot.base, guess)[-1][:3, 3]
     assert target.position is not None
-    return 100.0 * float(np.linalg.norm(tip - target.position)) / robot.mean_length
+    return 100.0 * float(np.linalg.norm(_rod_tip(robot, q) - target.position)) / robot.mean_length
+
+
+def _rod_tip(robot: sn.Robot, q: Floats) -> Floats:
+    """Tip (3,) of the rods that the robot stands for."""
+    rests, loads = np.array([[-y / length, x / length, 0.0] for x, y, length in q]), np.zeros((len(q), 6))
+    for load in robot.payload:
+        loads[(load.segment or len(q)) - 1, :3] += load.mass * GRAVITY
+    rods = [each.stiffness or sn.Stiffness(STIFF_SECTION) for each in robot.segments]
+    stiffness = np.minimum([[rod.bend, rod.twist, rod.stretch] for rod in rods], [STIFF, STIFF_SECTION, STIFF])
+    weights, reaction = np.array([each.mass * GRAVITY for each in robot.segments]), robot.shape(q).reaction
+    guess = -np.concatenate([reaction[3:], reaction[:3]])
+    return np.asarray(shoot(q[:, 2], stiffness, rests, weights, loads, robot.base, guess)[-1][:3, 3])
+
+
+def against_rods(arcs: int, goal: float, plan: Plan) -> list[Line]:
+    """Shapes of drawn robots: one to five tapered sections, some stiff or in a plane, with two masses."""
+    random = np.random.default_rng(plan.seed)
+    errors: list[float] = []
+    moved: list[float] = []
+    while len(errors) < plan.count(60, 6):
+        count, bend = int(random.integers(1, 6)), ROD.bend
+        sections, plane = [], float(random.random() < 0.7)
+        for k in range(count):
+            bend *= random.uniform(0.6, 1.0)
+            rod = sn.Stiffness(bend, None if random.random() < 0.3 else random.uniform(0.6, 0.9) * bend)
+            stiff = count > 1 and k == count // 2 and random.random() < 0.3
+            own = sn.Segment((0.05, 0.2), max_bend=2.0, stiffness=None if stiff else rod, mass=MASS, arcs=arcs)
+            sections.append(own)
+        masses = [sn.Payload(CARRIED * random.uniform(0.3, 1.5), segment=k) for k in (count, max(1, count - 1))]
+        robot = sn.Robot(sections, gravity=GRAVITY, payload=masses, base=sn.pose((0, 0, 0), direction=(1.0, 0.0, -1.0)))
+        bends = random.uniform(-1.0, 1.0, (count, 2)) * [1.0, plane]
+        q = np.column_stack([bends, random.uniform(0.07, 0.13, count)])
+        shape = robot.shape(q)
+        length = float(q[:, 2].sum())
+        far = np.linalg.norm(shape.tip[:3, 3] - robot.tip(q)[:3, 3]) / length
+        if shape.stable and far < MOVED:
+            moved.append(100.0 * float(far))
+            errors.append(100.0 * float(np.linalg.norm(_rod_tip(robot, q) - shape.tip[:3, 3])) / length)
+    what, note = f"{arcs} arcs a section: tip of a Cosserat rod off by", f"{len(errors)} robots that loads move by"
+    note += f" {np.median(moved):.0f} % in the median, {max(moved):.0f} % at most"
+    return [
+        Line(SHAPES, f"{what}, median", float(np.median(errors)), "%", note=note),
+        Line(SHAPES, f"{what}, worst", max(errors), "%", Goal(goal)),
+    ]
 
 
 STEPPED = "control steps under gravity and payload, two sections of 8 arcs among 40 spheres"
@@ -457,7 +499,10 @@ def control_steps(plan: Plan) -> list[Line]:
 SOLVED: dict[str, Part] = {
     f"load-{sections}-{spheres}": partial(solves, sections, spheres, goal)
     for sections, spheres, goal in ((3, 0, 0.5e-3), (5, 0, 0.5e-3), (5, 40, 1e-3))
-} | {"load-step": control_steps}
+} | {
+    "load-step": control_steps,
+    **{f"arcs-{arcs}": partial(against_rods, arcs, goal) for arcs, goal in ((2, 1.0), (4, 0.3), (8, 0.1))},
+}
 
 PARTS: dict[str, Part] = {**CALIBRATED, **LOADED, **SOLVED}
 """What is measured, in order: calibrated robots, then shapes and solves under load."""

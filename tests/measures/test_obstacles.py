@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.measures import obstacles
-from sinuous.measures.obstacles import Indices, least_distances, measure, to_triangles
+from sinuous.measures.obstacles import Indices, least_distances, measure, that_matter, to_triangles
 from sinuous.scene.mesh import Mesh
 from tests.cases import with_each
 from tests.helpers import Floats
@@ -136,3 +136,19 @@ def test_triangles_against_samples_of_them() -> None:
     sampled = np.linalg.norm(np.einsum("wk,mkx->mwx", weights, corners) - p[:, None], axis=-1).min(axis=1)
     assert (found <= sampled + 1e-12).all()
     assert (found >= sampled - 0.1).all()
+
+
+def test_who_is_left_out_matters_to_no_body() -> None:
+    rng = np.random.default_rng(0)
+    mesh = sn.Mesh(*cube(1.0, (2.0, 2.0, 2.0)))
+    cloud = sn.PointCloud(rng.uniform(-3, 3, (20, 3)), 0.1)
+    some = [*OBSTACLES, mesh, cloud, *(sn.Sphere(place, 0.1) for place in rng.uniform(-3, 3, (60, 3)))]
+    runs = rng.uniform(-3, 3, (5, 4, 1, 3)) + np.cumsum(0.02 * rng.normal(size=(5, 4, 9, 3)), axis=2)
+    sizes = rng.uniform(0.0, 0.2, (2, 1, 4)) + np.zeros((2, 5, 4))
+    exact = np.array([measure(own, runs.reshape(-1, 3)).reshape(runs.shape[:3]).min(axis=2) for own in some])
+    left = np.full_like(exact, np.inf)
+    for i, near in that_matter(some, runs, sizes):
+        left[i, near] = exact[i, near]
+    for size in sizes:
+        np.testing.assert_array_equal((left - size).min(axis=(0, 2)), (exact - size).min(axis=(0, 2)))
+    assert np.isfinite(left).mean() < 0.5

@@ -15,7 +15,7 @@ from sinuous.base.arguments import Rows
 from sinuous.base.checks import Floats
 from sinuous.base.frozen import call
 from sinuous.measures.body import Meeting, free_shares, nearest_pair, places_of
-from sinuous.measures.obstacles import measure
+from sinuous.measures.obstacles import measure, that_matter
 from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
 from sinuous.problem.path import Curve
@@ -174,8 +174,12 @@ def least_clearances(
     for part in together(len(q), q.shape[1]) if len(scene) else ():
         begin, beyond = free_shares(robot, q[part, :, 2])
         places, _ = backbones(robot, q[part], begin)
-        for i, obstacle in enumerate(scene.obstacles):
-            gaps = measure(obstacle, places.reshape(-1, 3)).reshape(places.shape[:3]).min(axis=2) - robot.radii
+        sizes = np.where(beyond, np.stack([robot.radii, np.add(robot.radii, robot.clearance)])[:, None], -math.inf)
+        for i, near in that_matter(scene.obstacles, places, sizes):
+            gaps = np.full(near.shape, math.inf)
+            found = measure(scene.obstacles[i], places[near].reshape(-1, 3)).reshape(-1, places.shape[2])
+            gaps[near] = found.min(axis=1)
+            gaps -= robot.radii
             gaps[~beyond] = math.inf
             spare[part] = np.minimum(spare[part], (gaps - robot.clearance).min(axis=1))
             nearest = gaps.argmin(axis=1)

@@ -6,7 +6,7 @@ away are passed over.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,41 @@ def measure(obstacle: Obstacle, points: Floats) -> Floats:
     else:
         raise NotImplementedError(f"no independent distance for {type(obstacle).__name__}")
     return np.asarray(-distance if obstacle.inside else distance)
+
+
+UNSURE = 1e-9
+"""What arithmetic may make of a bound, as a share of it and of what it is about."""
+
+
+def that_matter(obstacles: Sequence[Obstacle], runs: Floats, sizes: Floats) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+    """Yield each obstacle that may be the nearest to a body, by its number, and the runs (T, r) to which it may be.
+
+    Distances of points differ by no more than the points are apart: so one place of each run says how near the others
+    can be. Grids of distances and functions, of which that is not known, always matter.
+
+    Parameters
+    ----------
+    obstacles : sequence of Obstacle
+    runs : ndarray (T, r, s, 3)
+        Places in a row, of T bodies.
+    sizes : ndarray (k, T, r)
+        What is taken off distances, in one or several ways.
+    """
+    middles = runs[:, :, runs.shape[2] // 2]
+    reach = np.linalg.norm(runs - middles[:, :, None], axis=-1).max(axis=2)
+    most, least = np.full(sizes.shape[:2], np.inf), list[Floats | None]()
+    for obstacle in obstacles:
+        away = measure(obstacle, middles.reshape(-1, 3)).reshape(middles.shape[:2])
+        most = np.minimum(most, (away - sizes).min(axis=2, initial=np.inf))
+        known = not isinstance(obstacle, Field) and not (isinstance(obstacle, Grid) and not obstacle.occupancy)
+        least.append(away - reach if known else None)
+    slack = UNSURE * (np.abs(np.where(np.isfinite(most), most, 0.0)) + np.abs(runs).max(initial=0.0))
+    for i, low in enumerate(least):
+        near = np.ones(middles.shape[:2], np.bool_)
+        if low is not None:
+            near = (low - sizes <= (most + slack)[:, :, None]).any(axis=0)
+        if near.any():
+            yield i, near
 
 
 def _steps(grid: Grid, points: Floats) -> Floats:

@@ -32,6 +32,7 @@ ATTEMPTS = {
     "laid": "chains fitted to routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "detours": "chains grown along routes that are led aside until they are as long as the robot",
+    "unguided": "chains grown at random from both ends, without a route, and joined where they nearly meet",
     "gates": "chains through the narrowest place of a route, of which each half is solved by itself",
     ROOTS: "routes and chains from several places where the robot may begin to bend: with joints, or on a long stage",
     "passages": "routes through other passages; for `solve_all` those that no solution leads through yet",

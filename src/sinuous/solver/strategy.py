@@ -108,6 +108,17 @@ EFFORT_AMONG_MANY = 0.4
 """The same among so many obstacles that there is a tree over them: routes are many, most of them turn too tightly for
 the body, and wide beams find where it can (rods, sheets)."""
 
+UNGUIDED_WIDTHS, EFFORT_OF_AN_UNGUIDED_CHAIN = (8, 16, 32, 64, 128, 256, 512), 0.2
+"""Widths of the beams without a route, and the effort for each chain that they keep."""
+
+PRIORITY_UNGUIDED = 2.0
+"""Priority of a beam without a route, for each chain that it keeps: a route is quicker where there is one (folded,
+cells)."""
+
+PRIORITY_UNGUIDED_AMONG_MANY, UNGUIDED_AT_ONCE = 0.02, 32
+"""The same among so many obstacles that there is a tree over them, where hardly any route is one for the body; and the
+width up to which beams without a route come before any route is looked for (rods, sheets, profiles, hoops)."""
+
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
 
@@ -383,8 +394,8 @@ class RouteAttempts:
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
         self._plans = plans_of(searches)
-        many = question.problem.scene.has_hierarchy
-        self._grown_effort = EFFORT_AMONG_MANY if many else EFFORT_OF_A_GROWN_CHAIN
+        self._many = question.problem.scene.has_hierarchy
+        self._grown_effort = EFFORT_AMONG_MANY if self._many else EFFORT_OF_A_GROWN_CHAIN
         self._candidates = RouteCandidates(searches, question, query, attempts.without)
         self._passes = 0
         self._make_passages = passages
@@ -414,12 +425,23 @@ class RouteAttempts:
             self._attempts.add("base_tube", PRIORITY_AT_ONCE, self._candidates.chains_in_base_tube)
         if whole:
             self._attempts.add(SCATTERED, PRIORITY_AT_ONCE, self._scattered_first, effort=0)
+        if not self._question.several:
+            self._add_unguided()
         for name, find in (
             (EDGES, self._candidates.route_around_edges),
             (SIDE_TUBES, self._candidates.route_through_side_tubes),
         ):
             self._attempts.add(name, PRIORITY_AT_ONCE, partial(self._find_one, find), effort=0)
         self._attempts.add("cells", PRIORITY_AT_ONCE, partial(self._search, self._plans, True), effort=0)
+
+    def _add_unguided(self) -> None:
+        """Add chains without a route, by wider and wider beams."""
+        for width in UNGUIDED_WIDTHS:
+            priority = width * (PRIORITY_UNGUIDED_AMONG_MANY if self._many else PRIORITY_UNGUIDED)
+            if self._many and width <= UNGUIDED_AT_ONCE:
+                priority = PRIORITY_AT_ONCE
+            make = partial(self._candidates.chains_that_meet, width)
+            self._attempts.add("unguided", priority, make, EFFORT_OF_AN_UNGUIDED_CHAIN * width)
 
     def _add_passage(self, closed: frozenset[int], step: int, again: bool = False, later: bool = False) -> None:
         """Add a search for a route while some passages are closed; `later`: there probably is none."""

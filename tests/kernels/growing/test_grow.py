@@ -38,16 +38,23 @@ WALLS = Scene(BOXES)
 
 
 def grown(
-    robot: Robot, scene: Scene, targets: list[Target], legs: list[Floats], count: int = 4, seconds: float = 60.0
+    robot: Robot,
+    scene: Scene,
+    targets: list[Target],
+    legs: list[Floats],
+    count: int = 4,
+    seconds: float = 60.0,
+    most: int | None = None,
+    points: int = 80,
 ) -> Floats:
     """The best `count` chains of the most segments that there are."""
     problem = Problem(robot, targets, scene)
-    n, width = len(robot), 8 * count
+    n, width = len(robot) if most is None else most, 8 * count
     levels = np.full((n + 1, width, CHAIN_WIDTH), np.nan)  # nothing of what was there before may matter
     workspace, counts = np.full(growing_size(len(problem.scene), width), np.nan), np.full(n + 1, -1)
-    points = np.stack([respaced(leg, 80) for leg in legs])
+    routes = np.stack([respaced(leg, points) for leg in legs])
     root = np.append(robot.base[:3, :3].ravel(), robot.base[:3, 3])
-    grow_chains(*kernel_groups(problem), points, root[None], math.inf, seconds, workspace, levels, counts)
+    grow_chains(*kernel_groups(problem), routes, root[None], math.inf, seconds, workspace, levels, counts)
     chains = np.empty((min(count, counts[n]), n, 3))
     for i, q in enumerate(chains):
         at = i
@@ -57,7 +64,7 @@ def grown(
             if k > 1:
                 q[k - 2] = levels[k, at, SEGMENT_BEFORE_Q : SEGMENT_BEFORE_Q + 3]
             at = int(levels[k, at, PARENT])
-        assert np.allclose(levels[n, i, FRAME : FRAME + 12], _pose(robot, q, n))
+        assert np.allclose(levels[n, i, FRAME : FRAME + 12], _pose(robot.changed(segments=robot.segments[:n]), q, n))
     return chains
 
 
@@ -93,6 +100,21 @@ def test_chains_turn_back_through_a_slit_within_limits(direction: tuple[float, f
     assert np.linalg.norm(best[:3, 3] - (1.2, 0.0, -2.0)) < 0.5
     if direction is not None:
         assert best[:3, 2] @ np.array(direction) > 0.6
+
+
+@pytest.mark.parametrize("most", [1, 4])
+def test_without_a_route_chains_differ_keep_what_they_have_to_and_can_still_get_there(most: int) -> None:
+    target = np.array([1.2, 0.0, -2.0])
+    chains = grown(ROBOT, WALLS, [Target(target)], [BEHIND], count=16, most=most, points=2)
+    part = ROBOT.changed(segments=ROBOT.segments[:most])
+    ends = np.stack([part.tip(q)[:3, 3] for q in chains])
+    assert len(chains) == 16
+    assert len(np.unique(ends.round(2), axis=0)) == 16
+    assert np.linalg.norm(ends - target, axis=1).max() < 6.0 - most
+    for q in chains:
+        assert part.excess(q) <= 1e-12
+        assert overlap(part, WALLS, q) <= KEPT + 0.05
+        assert own_gap(part, q) > 1.8 * RADIUS
 
 
 def test_no_chain_crosses_a_wall() -> None:

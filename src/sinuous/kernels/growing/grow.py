@@ -4,9 +4,13 @@ A route is a curve that a ball can follow, and a body may not turn as tightly. S
 after segment, by arcs that the segment can have (motion primitives; Pivtoraiko, Knepper & Kelly 2009), each bent off
 the obstacles. The route says from every place how long the rest of the way is. Of every number of segments some chains
 are kept.
+
+Without a route, arcs are drawn at random: what counts is only that the rest of the chain is long enough to get there.
 """
 
 import math
+
+import numpy as np
 
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import allow, begin, spend
@@ -34,12 +38,13 @@ from sinuous.kernels.growing.beam import (
     keep,
 )
 from sinuous.kernels.growing.bending import come_out
-from sinuous.kernels.growing.guide import needed, sighted
+from sinuous.kernels.growing.guide import leads, needed, sighted
 from sinuous.kernels.growing.legs import Leg, leg_to, missed
 from sinuous.kernels.growing.meeting import meets_itself
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
 from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.step.limits import scattered, uniform
 from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
 
 OVERLAP_COST = 16.0
@@ -88,7 +93,7 @@ def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
     low, high = _lengths(problem, k + 1, leg.last)
     need = max(0.0, needed(leg.guide, end[1], _tangent(end), seen) - leg.around)
     short = max(0.0, need - high) / mean
-    long = max(0.0, low - LEEWAY * need) / (mean * (leg.last - k))
+    long = max(0.0, low - LEEWAY * need) / (mean * (leg.last - k)) if leads(leg.guide) else 0.0
     return SHORT_COST * short + LONG_COST * long
 
 
@@ -114,9 +119,26 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     return size
 
 
-def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: int) -> bool:
-    """Make number `made` of the new chains, by an arc that continues one of `k` segments; False where it cannot be."""
-    level, new, i = beam.levels[k], beam.made, item // ARCS
+def _draw(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
+    """Do the same with arcs drawn at random, as many in all for few chains as for many; chance puts them in order."""
+    level, each, size = beam.levels[k], beam.arcs.shape[0] // count, 0
+    spend(beam.clock, each * count)
+    for item in range(each * count):
+        i = item // each
+        scattered(problem.limits[k : k + 1], item, beam.levels.shape[1] + k, math.inf, beam.arcs[item : item + 1])
+        end = end_of(frame(level, i), get_vec(beam.arcs, item, 0))
+        score = level[i, COST] + _score(problem, leg, k, end, 1)
+        chance = uniform(np.uint64(item) + np.uint64(k) * np.uint64(0x85EBCA77))
+        size = heap.push(beam.heap, beam.items, size, score + chance, item)
+    return size
+
+
+def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int, int], made: int) -> bool:
+    """Make number `made` of the new chains, by an arc that continues one of `k` segments; False where it cannot be.
+
+    `which`: the number of the chain that is continued, and that of the arc.
+    """
+    level, new, (i, item) = beam.levels[k], beam.made, which
     start, along, mean = frame(level, i), level[i, CHAIN_LENGTH], problem.unit / problem.limits.shape[0]
     own, aim = get_vec(level, i, LAST_SEGMENT_Q), get_vec(beam.arcs, item, 0)
     joint = k > leg.first and problem.limits[k - 1, BEND_SCALE] > 0.0
@@ -129,7 +151,8 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
     if not differs(beam, end, FINE_SPACING * mean, FINE_TANGENT_CELLS):
         return False
     seen, cost = int(level[i, GUIDE_POINT]), OVERLAP_COST * max(0.0, overlap) ** 2 + PRESSURE_COST * tight
-    found = sighted(problem.scene, leg.guide, end[1], seen) if along + q[2] > problem.mount else seen
+    looks = leads(leg.guide) and along + q[2] > problem.mount
+    found = sighted(problem.scene, leg.guide, end[1], seen) if looks else seen
     seen = found if found >= 0 else seen
     put_frame(new, made, end[0], end[1])
     put_vec(new, made, LAST_SEGMENT_Q, q)
@@ -142,8 +165,11 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
     return True
 
 
-def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int) -> int:
-    """Examine the `size` arcs in the heap, the most promising first; returns how many chains that makes."""
+def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int, each: int) -> int:
+    """Examine the `size` arcs in the heap, `each` for a chain, the most promising first.
+
+    Returns how many chains that makes.
+    """
     count, left, units = 0, ARCS_PER_CHAIN * beam.made.shape[0], ARC_WORK * work_of_all(problem.scene)
     empty_buckets(beam)
     while size > 0 and (left > 0 or count == 0) and count < beam.made.shape[0]:
@@ -151,7 +177,7 @@ def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int) -> int:
             return 0
         item, size = heap.pop(beam.heap, beam.items, size)
         left -= 1
-        count += 1 if _continued(problem, leg, beam, k, item, count) else 0
+        count += 1 if _continued(problem, leg, beam, k, (item // each, item), count) else 0
     return count
 
 
@@ -190,8 +216,8 @@ def grow_chains(
     targets : ndarray (t, 15)
         Of which at least one has a position.
     legs : ndarray (l, K, 3)
-        Routes, each of at least two points, evenly spaced, in the length unit: from the base to the first target that
-        has a position, from there to the next one, and so on, in the order of their segments.
+        Routes, evenly spaced, in the length unit: from the base to the first target that has a position, from there to
+        the next one, and so on, in the order of their segments. Of two points: none is known but where it ends.
     roots : ndarray (r, 12)
         Poses that chains may begin with: at most as many as are kept.
     open_from : float
@@ -200,9 +226,9 @@ def grow_chains(
         Budget.
     workspace : ndarray (s,)
         Scratch, see `growing_size`.
-    levels : ndarray (n + 1, w, CHAIN_WIDTH)
-        Filled with the chains of every number of segments, the best first, see `beam`; w is a power of two.
-    counts : ndarray (n + 1,) int64
+    levels : ndarray (m + 1, w, CHAIN_WIDTH)
+        Filled with the chains of every number of segments up to m, the best first, see `beam`; w is a power of two.
+    counts : ndarray (m + 1,) int64
         Filled with the number of chains of every number of segments: 0 beyond those that were grown in time.
     """
     problem = read_problem(robot, scene, settings, targets)
@@ -221,13 +247,19 @@ def grow_chains(
     for number in range(legs.shape[0]):
         leg = leg_to(problem, legs[number], number, k)
         for i in range(counts[k]):
-            levels[k, i, GUIDE_POINT] = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0))
-        while k <= leg.last and counts[k] > 0:
+            seen = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0)) if leads(leg.guide) else 1
+            levels[k, i, GUIDE_POINT] = seen
+        while k <= min(leg.last, counts.shape[0] - 2) and counts[k] > 0:
             if open_from < math.inf and _in_the_open(problem, beam, k, counts[k], open_from):
                 return True
-            made = _make(problem, leg, beam, k, _promise(problem, leg, beam, k, counts[k]))
+            each = ARCS if leads(leg.guide) else beam.arcs.shape[0] // counts[k]
+            if leads(leg.guide):
+                promised = _promise(problem, leg, beam, k, counts[k])
+            else:
+                promised = _draw(problem, leg, beam, k, counts[k])
+            made = _make(problem, leg, beam, k, promised, each)
             k += 1
             counts[k] = keep(beam, k, made, mean)
-        if counts[k] == 0:
+        if counts[k] == 0 or k == counts.shape[0] - 1:
             return False
     return False

@@ -31,6 +31,11 @@ Guide = namedtuple("Guide", ["points", "spacing", "back", "radius", "turn"])
 at its end (zero: from anywhere); the radius of the body and of its tightest turn."""
 
 
+def leads(guide: Guide) -> bool:
+    """Whether it is a route: two points are only where one begins and ends."""
+    return guide.points.shape[0] > 2
+
+
 def _passes(scene: Scene, j: int, p: Vec, line: Vec, clear: float) -> bool:
     """Whether a line from `p` keeps `clear` of the ball about obstacle `j`: most primitives are far away."""
     if scene.table[j, KIND] >= TREE:

@@ -22,8 +22,8 @@ from sinuous.kernels.certificate.proof import (
 from sinuous.kernels.certificate.self_proof import passed_over
 from sinuous.kernels.certificate.sweep import Motion, at_time
 from sinuous.kernels.maths.vectors import Array
-from sinuous.kernels.solve.starts import scattered, uniform
 from sinuous.kernels.step.actuation import admissible_step, settle
+from sinuous.kernels.step.limits import scattered, uniform
 from sinuous.kernels.tables import LINK, MAX_LENGTH, MIN_LENGTH, ONWARD, RIGID
 
 MOTION_PARTS = 8

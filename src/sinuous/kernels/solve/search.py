@@ -12,8 +12,9 @@ from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.clearance import increase_clearance
-from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
+from sinuous.kernels.solve.starts import face, most_distal, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
+from sinuous.kernels.step.limits import scattered
 from sinuous.kernels.step.newton import descend, linearise
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, State, Work, carve, pick
 from sinuous.kernels.tables import Budget

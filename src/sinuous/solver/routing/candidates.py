@@ -33,6 +33,7 @@ from sinuous.solver.routing.partial_chains import (
     leg_queries,
     lengthen_route,
     set_route_end,
+    straight_legs,
 )
 from sinuous.solver.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
 from sinuous.solver.routing.tubes import chains_out_of_tube, find_tube_around, line_to_target_in_tube
@@ -220,6 +221,16 @@ class RouteCandidates:
         for chain in self._chains[candidate.rank].chains_of_width(width):
             if self._is_new(chain):
                 yield starts_along(chain[None], (candidate.route,))
+
+    def chains_that_meet(self, width: int) -> Iterator[StartBatch]:
+        """Yield chains that are grown from both ends without a route, by beams of a width, where they nearly meet."""
+        yield self._nothing()
+        for chain in self._unguided.chains_that_meet(width):
+            yield starts_along(chain[None], ())
+
+    @cached_property
+    def _unguided(self) -> JoinedChains:
+        return JoinedChains(self._groups, straight_legs(self._groups), self._deadline)
 
     def detour_chains(self, candidate: RouteCandidate, number: int) -> Iterator[StartBatch]:
         """Yield chains along a route that is led aside until it is as long as the robot, by the least beams."""

@@ -13,6 +13,8 @@ An intermediate target in a narrow place leaves few tangents to pass it with, an
 with one of these. So, for some of its tangents, chains are also grown in two parts: up to the intermediate target, and
 from there.
 
+Chains are also grown without a route, at random: w chains from either end make w^2 pairs, some of which nearly meet.
+
 Terminal poses are those in which a chain from the target may begin. A bridge is what stands in the open between a chain
 that comes out of a narrow place at the base and one at the target: scattered starts solve it.
 """
@@ -31,7 +33,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.packing import robot_parts
-from sinuous.kernels.tables import BEND_SCALE, IN_PLANE, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, UNIT
+from sinuous.kernels.tables import BEND_SCALE, IN_PLANE, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, UNIT, Outcome
 from sinuous.model.poses import least_rotation
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along
@@ -392,6 +394,10 @@ WHOLES = 2
 MOST_JUNCTIONS = 4
 """Most joints of beams that are `FIRST_WIDTH` wide; with their width goes its square root."""
 
+HALVES, MOST_MEETINGS = 16, 4
+"""Width of beams without a route up to which they are grown to the middle only; and most joints of these, by the square
+root of their width."""
+
 GAP = 2.5
 """Greatest gap that is joined, in lengths of a segment."""
 
@@ -464,16 +470,23 @@ class JoinedChains:
         yield from self._joined(ahead, behind, round(MOST_JUNCTIONS * math.sqrt(width / FIRST_WIDTH)))
         yield from self._given([*self._wholes(ahead, self._groups), *self._wholes(behind, self._other)])
 
-    def _ahead(self, width: int, open_from: float = math.inf) -> GrownChains:
+    def chains_that_meet(self, width: int) -> Iterator[Floats]:
+        """Yield chains (n, 3) of beams from both ends that nearly meet: without a route, where they meet is chance."""
+        if self._other is None:
+            return
+        most = self._n // 2 + 1 if width <= HALVES else self._n
+        ahead, behind = self._ahead(width, most=most), self._behind(self._other, width, most=most)
+        yield from self._joined(ahead, behind, round(MOST_MEETINGS * math.sqrt(width)), loose=True)
+
+    def _ahead(self, width: int, open_from: float = math.inf, most: int | None = None) -> GrownChains:
         """Chains from the base."""
         base = robot_parts(self._groups[0]).base[None].copy()
-        return GrownChains(self._groups, self._legs, base, width, self._deadline(), open_from)
+        return GrownChains(self._groups, self._legs, base, width, self._deadline(), open_from, most)
 
-    def _behind(self, other: Groups, width: int, open_from: float = math.inf) -> GrownChains:
+    def _behind(self, other: Groups, width: int, open_from: float = math.inf, most: int | None = None) -> GrownChains:
         """Chains from the target."""
-        return GrownChains(
-            other, self._legs[::-1, ::-1].copy(), self._terminal_poses, width, self._deadline(), open_from
-        )
+        legs = self._legs[::-1, ::-1].copy()
+        return GrownChains(other, legs, self._terminal_poses, width, self._deadline(), open_from, most)
 
     def _wholes(self, grown: GrownChains, groups: Groups) -> Iterator[tuple[float, Floats]]:
         """Chains (n, 3) that reach the other end by themselves, and their scores."""
@@ -488,28 +501,28 @@ class JoinedChains:
         best_first = (chain for _, chain in sorted(wholes, key=lambda whole: whole[0]))
         yield from settle_chains(self._groups, best_first, self._deadline)
 
-    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int) -> Iterator[Floats]:
-        """Yield chains (n, 3) that meet both ends, of parts from either end."""
+    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, loose: bool = False) -> Iterator[Floats]:
+        """Yield chains (n, 3) that meet both ends, of parts from either end; `loose`: that nearly do."""
         assert self._other is not None
-        for _, k, i, j in self._joints(ahead, behind)[:most]:
+        for _, k, i, j in self._joints(ahead, behind, MOST_JUNCTIONS * (1 + 3 * loose))[:most]:
             if self._deadline() <= 0.0:
                 return
             (head, _), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)
             begun = problem_from_pose(self._other, terminal_pose)
-            closed = self._closed(self._groups, head, behind.frames[self._n - k, j])
-            if closed is not None:
-                head = closed
+            closed = None if loose else self._closed(self._groups, head, behind.frames[self._n - k, j])
+            if closed is not None and closed.code == t.SOLVED:
+                head = closed.q
             else:
                 closed = self._closed(begun, tail, ahead.frames[k, i])
-                if closed is None:
+                if closed.code != t.SOLVED and not loose:
                     continue
-                tail = closed
+                tail = closed.q
             yield join_chains(self._groups, head, begun, tail)
 
-    def _joints(self, ahead: GrownChains, behind: GrownChains) -> list[_Junction]:
-        """Pairs of parts that nearly meet, the best first: some of every number of segments."""
+    def _joints(self, ahead: GrownChains, behind: GrownChains, each: int) -> list[_Junction]:
+        """Pairs of parts that nearly meet, the best first: up to `each` of every number of segments."""
         joints = []
-        for k in range(1, self._n):
+        for k in range(max(1, self._n + 1 - len(behind.counts)), min(self._n, len(ahead.counts))):
             some, others = int(ahead.counts[k]), int(behind.counts[self._n - k])
             if some == 0 or others == 0:
                 continue
@@ -518,15 +531,15 @@ class JoinedChains:
             cosine = -(one[..., TANGENT] * other[..., TANGENT]).sum(axis=-1)
             gap = off / self._segment + TURN * np.arccos(np.clip(cosine, -1.0, 1.0))
             score = DEAR * gap + ahead.costs[k, :some, None] + behind.costs[self._n - k, None, :others]
-            for flat in np.argsort(score, axis=None)[:MOST_JUNCTIONS]:
+            for flat in np.argpartition(score, min(each, score.size) - 1, axis=None)[:each]:
                 i, j = divmod(int(flat), others)
                 if gap[i, j] < GAP:
                     joints.append(_Junction(float(score[i, j]), k, i, j))
         return sorted(joints)
 
-    def _closed(self, groups: Groups, chain: Floats, end: Floats) -> Floats | None:
-        """Return a chain like this one (k, 3) that ends against a pose (12,); `None` where none is found."""
-        return solve_part(problem_ending_at(groups, len(chain), end), chain[None], 0, self._deadline)
+    def _closed(self, groups: Groups, chain: Floats, end: Floats) -> Outcome:
+        """Search for a chain like this one (k, 3) that ends against a pose (12,)."""
+        return search_part(problem_ending_at(groups, len(chain), end), chain[None], (0, 0), self._deadline)
 
 
 class _IntermediateTarget:

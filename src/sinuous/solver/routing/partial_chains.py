@@ -352,6 +352,13 @@ def leg_queries(groups: Groups) -> list[Floats]:
     return queries
 
 
+def straight_legs(groups: Groups) -> Floats:
+    """Return the ends of all legs (l, 2, 3), for chains that are grown without a route."""
+    places = groups[3][list(_in_order(groups).values()), TARGET_POSITION : TARGET_POSITION + 3]
+    ends = np.vstack([base_position(groups), places])
+    return np.stack([ends[:-1], ends[1:]], axis=1)
+
+
 def set_route_start(query: Floats, place: Floats, along: Floats) -> None:
     """Let the route of a query begin at a place (3,) with a unit tangent (3,), without what the base asks for."""
     query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_AXIS : QUERY_AXIS + 3] = place, along
@@ -398,6 +405,8 @@ class GrownChains:
     open_from : float
         Distance from the obstacles, in radii of the body, from which on an end is in the open: there they stop. By
         default they go on to the last target.
+    most : int, optional
+        Segments of the longest chains that are wanted.
 
     Attributes
     ----------
@@ -421,11 +430,12 @@ class GrownChains:
         width: int,
         seconds: float,
         open_from: float = math.inf,
+        most: int | None = None,
     ) -> None:
         n, obstacles = int(groups[0][0]), int(groups[1][0])
         self.segments = segments_of(groups)[len(legs) - 1] + 1
-        self.counts = np.zeros(n + 1, np.int64)
-        self._levels = levels = np.zeros((n + 1, width, CHAIN_WIDTH))
+        self.counts = np.zeros((n if most is None else most) + 1, np.int64)
+        self._levels = levels = np.zeros((len(self.counts), width, CHAIN_WIDTH))
         workspace = np.empty(growing_size(obstacles, width))
         self.open: bool = grow_chains(
             *groups, legs, terminal_poses, open_from, max(0.0, seconds), workspace, levels, self.counts

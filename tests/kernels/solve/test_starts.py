@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.solve import starts
+from sinuous.kernels.step.limits import scattered
 from sinuous.model.robot import Robot
 from sinuous.model.segment import Segment
 from tests.helpers import Floats, expm_chain, frames_of, random_pose, vec
@@ -56,14 +57,14 @@ def test_every_start_keeps_the_limits(seed: int) -> None:
             assert MIXED.excess(q) <= 1e-12
     q = np.full((len(MIXED), 3), np.nan)
     for most in (math.pi, 2.0 * math.pi):
-        starts.scattered(MIXED.limits, int(rng.integers(10**6)), seed, most, q)
+        scattered(MIXED.limits, int(rng.integers(10**6)), seed, most, q)
         assert MIXED.excess(q) <= 1e-12
 
 
 def sequence(seed: int, count: int, robot: Robot = MIXED, most: float = math.pi) -> Floats:
     out = np.empty((count, len(robot), 3))
     for i in range(count):
-        starts.scattered(robot.limits, i, seed, most, out[i])
+        scattered(robot.limits, i, seed, most, out[i])
     return out
 
 

@@ -13,6 +13,7 @@ What is put around leaves room for all of it: balls, plates of bars, cells with 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from time import thread_time
 from typing import NamedTuple
 from zlib import crc32
 
@@ -322,7 +323,7 @@ def pipe(robot: sn.Robot, ways: Ways, rng: Generator) -> list[sn.Mesh] | None:
     return [solid(open_tube(axis[::FINE], inside, inside + WALL * unit), "pipe")]
 
 
-PLANNED = "plans for which a motion is known: planned and proved within 5 s, and found clear by the judges"
+PLANNED = "plans for which a motion is known: planned and proved within 5 s of CPU time, and found clear by the judges"
 FALSE = "plans for which a motion is known: called proved, and a judge finds a collision"
 
 COUNT, QUICK = 8, 1
@@ -332,6 +333,10 @@ STRIDE = 7
 """From one place's seed to the next: eight places have robots of all sizes, with stages and without."""
 
 SECONDS = 5.0
+"""Seconds of CPU time in which a plan has to be found."""
+
+ON_CLOCK = 3.0
+"""Budget of a plan on the clock, in units of that: the machine may be busy."""
 
 PATIENCE = 300
 """Draws of one place before its family counts as having none."""
@@ -352,7 +357,7 @@ class Hidden(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """What came of a plan: seconds, how it ended, and what a judge found."""
+    """What came of a plan: seconds of CPU time, how it ended, and what a judge found."""
 
     seconds: float
     status: str
@@ -408,9 +413,11 @@ def make(family: str, seed: int) -> Hidden:
 def examine(place: tuple[str, int]) -> Trial:
     """Plan from where a hidden motion begins to where it ends, and judge the plan."""
     hidden = make(*place)
-    motion = sn.plan(hidden.robot, hidden.knots[0], hidden.knots[-1], hidden.scene, time=SECONDS)
+    began = thread_time()
+    motion = sn.plan(hidden.robot, hidden.knots[0], hidden.knots[-1], hidden.scene, time=ON_CLOCK * SECONDS)
+    spent = thread_time() - began
     wrong = wrong_in(hidden.robot, hidden.scene, motion.q) if motion.solved else ""
-    return Trial(motion.seconds, str(motion.status), wrong)
+    return Trial(spent, str(motion.status), wrong)
 
 
 def measure(plan: Plan, family: str) -> Iterator[Line]:
@@ -423,7 +430,7 @@ def lines_of(family: str, trials: Sequence[Trial]) -> Iterator[Line]:
     """Sum up plans: those count that are called proved, in time, and to which no judge objects."""
     good = sum(trial.status == "solved" and trial.seconds <= SECONDS and not trial.wrong for trial in trials)
     times = Times.of([trial.seconds for trial in trials])
-    goal = Goal(95.0, at_most=False)
+    goal = Goal(99.0, at_most=False)
     yield Line(PLANNED, family, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)))
     yield Line(FALSE, family, sum(bool(trial.wrong) for trial in trials), "", Goal(0.0, correctness=True))
 

@@ -1,8 +1,8 @@
 """Limits of tension: control steps and motions of elastic arms, with and without load, judged by least energies.
 
-The judge minimises the potential energy of bends, lines and weights by SciPy, where the motors are, with the moments by
-which arcs stand for rods (`docs/design.md`); it shares no code with the package. A claim is false where a line is
-pulled by more than its limit: of steps at the end, of motions that are solved also at places between their knots.
+The judge minimises the potential energy of bends, lines and weights by SciPy, where the motors are; it shares no code
+with the package. A claim is false where a line is pulled by more than its limit: of steps at the end, of motions that
+are solved also at places between their knots.
 """
 
 from collections.abc import Iterator
@@ -30,10 +30,6 @@ BETWEEN = (0.25, 0.5, 0.75)
 
 EXACT = 1e-3
 """By how much, of the limit, the judge may be off."""
-
-TILTS, ROUNDS = (0.0, 1.5 / 12.0, 1.5 / 12.0, 0.0), 3
-"""How much forces across the ends of the three arcs of a segment count; and how often least energies are looked for
-with the moments that this makes: each time they are some hundred times as exact."""
 
 KINDS = ("elastic", "elastic, lengths vary", "loaded")
 NUDGE = 1e-6
@@ -82,25 +78,8 @@ def most_pulled(robot: sn.Robot, displacements: Floats, lengths: Floats, near: F
 
     begin = np.repeat(near[:, None, :2] / count, count, axis=1).ravel()
     least: Any = minimize  # its stubs know no function that returns the slope of an array of one axis
-    x, levers = begin, np.zeros(begin.size)
-    for _ in range(ROUNDS if robot.has_external_load else 1):
-        lifted: Any = lambda x, own=levers: float(energy(x)[0] - own @ x)  # noqa: E731
-        steep: Any = lambda x, own=levers: slope(x) - own  # noqa: E731
-        x = least(lifted, x, jac=steep, method="BFGS", options={"gtol": 1e-8}).x
-        if robot.has_external_load:
-            levers = _lever_moments(robot, x.reshape(SEGMENTS, count, 2), lengths / count).ravel()
-    return float(LINE * stretches(x.reshape(SEGMENTS, count, 2)).max(initial=0.0))
-
-
-def _lever_moments(robot: sn.Robot, bends: Floats, lengths: Floats) -> Floats:
-    """Moments (n, a, 2) on bends (n, a, 2) of arcs of these lengths (n,)."""
-    rotation, beyond, result = robot.base[:3, :3], MASS * ARCS * lengths.sum() * GRAVITY, np.zeros(bends.shape)
-    for k, length in enumerate(lengths.tolist()):
-        for j, bend in enumerate(bends[k]):
-            start, rotation = beyond @ rotation, rotation @ _turn(bend[None])[0]
-            beyond = beyond - MASS * length * GRAVITY
-            result[k, j] = length * (TILTS[j + 1] * beyond @ rotation - TILTS[j] * start)[:2]
-    return result
+    found = least(lambda x: float(energy(x)[0]), begin, jac=slope, method="BFGS", options={"gtol": 1e-8})
+    return float(LINE * stretches(found.x.reshape(SEGMENTS, count, 2)).max(initial=0.0))
 
 
 def _height(robot: sn.Robot, bends: Floats, lengths: Floats) -> Floats:

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.measures.statics import _energy, _lever_moments, _tensions, imbalance
+from sinuous.measures.statics import _energy, _tensions, imbalance
 from sinuous.statics.between import bounded, leave
 from sinuous.statics.body import body_of
 from sinuous.statics.rest import Rest, Way
@@ -78,7 +78,7 @@ def test_equilibria_aside_of_the_way_are_within_the_bound(kind: str, size: float
     stiffness, more = (sn.Stiffness(0.01), {"tendons": sn.Tendons(3, 0.004)}) if kind == "held tendons" else RODS[kind]
     robot, random = arm(stiffness, **more), np.random.default_rng(1)
     one, other = Rest(robot, Q), Rest(robot, Q + size * MOVED)
-    bow = np.tile([0.0008, 0.0008, 0.00005], (3, 1))
+    bow = np.tile([0.001, 0.001, 0.00005], (3, 1))
     off, straight, worst = leave(one, other, bow), leave(one, other), 0.0
     assert straight.aside < off.aside < 0.2 * robot.mean_length
     for side, share in zip(random.choice([-1.0, 1.0], (20, 3, 3)), np.linspace(0.2, 0.8, 20), strict=True):
@@ -86,7 +86,7 @@ def test_equilibria_aside_of_the_way_are_within_the_bound(kind: str, size: float
         both = np.stack([(1.0 - share) * one.arcs + share * other.arcs, robot.shape(drive).arcs])
         points = robot.shape(Q).body.backbone(both)
         worst = max(worst, float(np.linalg.norm(points[0] - points[1], axis=1).max()))
-    assert 0.018 * off.aside < worst <= off.aside
+    assert 0.02 * off.aside < worst <= off.aside
     with_springs = arm(sn.Stiffness(0.01), **RODS["tendons"][1])
     assert leave(Rest(with_springs, Q), Rest(with_springs, Q + 0.01 * MOVED), bow).aside == np.inf
 
@@ -128,14 +128,12 @@ def test_the_judge_finds_the_least_energy_that_scipy_finds(kind: str) -> None:
     own = body_of(robot)
     there = robot.drive.displacements(q) + robot.drive.stretch(q) if len(robot.drive) else None
     gives = np.isfinite(own.stiffness[own.owners][:, [0, 0, 1, 2]])
-    levers = _lever_moments(robot, own, states, q[own.owners, 2] / 2.0)
 
     def energies(moved: Floats) -> Floats:
         changed = np.repeat(states[None], len(moved), axis=0)
         changed[:, gives] += 1e-2 * moved
         total, long = _energy(robot, own, q, changed)
         pulls = np.array([_tensions(own, q, each, there) for each in long])
-        total -= ((changed - states)[..., :2] * levers).sum(axis=(1, 2))
         return np.asarray(1e4 * (total + 0.5 * pulls**2 @ own.lines.compliance))
 
     def energy(moved: Floats) -> tuple[float, Floats]:

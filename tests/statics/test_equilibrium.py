@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.linalg import expm
-from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
@@ -65,25 +64,6 @@ def energy(found: sn.answer.Equilibrium, states: Floats, rests: Floats, tensions
     return float(total)
 
 
-def levers(found: sn.answer.Equilibrium) -> Floats:
-    """Moments (N, 4) on bends that make an arc stand for a rod: `l / 12` of forces across, counted as levers are."""
-    robot, states, arcs = found.robot, found.states, len(found.states) // len(found.robot)
-    assert robot.gravity is not None
-    frames, beyond, result = frames_of(states, robot.base), np.zeros((len(states), 3)), np.zeros(states.shape)
-    for k in range(len(states)):
-        segment = robot.segments[k // arcs]
-        beyond[k] = segment.mass * found.q[k // arcs, 2] / arcs * robot.gravity
-    for load in [*robot.payload, *found.loads]:
-        force = load.force if isinstance(load, sn.Force) else load.mass * robot.gravity
-        beyond[arcs * (load.segment or len(robot)) - 1] += force
-    counts = {2: [0.0, 2.0, 0.0], 4: [0.0, 1.5, 1.0, 1.5, 0.0]}[arcs]
-    for k, (_, _, twist, length) in enumerate(states):
-        start, end = frames[k][:3, :3], frames[k + 1][:3, :3] @ Rotation.from_rotvec([0.0, 0.0, -twist]).as_matrix()
-        across = counts[k % arcs + 1] * beyond[k + 1 :].sum(axis=0) @ end
-        result[k, :2] = length / 12.0 * (across - counts[k % arcs] * beyond[k:].sum(axis=0) @ start)[:2]
-    return result
-
-
 def lines_of(robot: sn.Robot) -> list[tuple[int, Floats]]:
     own = [(k, s.tendons.arms) for k, s in enumerate(robot.segments, 1) if s.tendons is not None]
     return [(k, line) for k, arms in own for line in arms]
@@ -99,11 +79,11 @@ def slopes(function: Any, states: Floats) -> Floats:
     return result
 
 
-def test_work_is_stationary_and_least() -> None:
+def test_energy_is_stationary_and_least() -> None:
     robot = arm(payload=[sn.Payload(0.1, (0.0, 0.05, 0.1)), sn.Payload(0.2, segment=1)])
     found = robot.shape(SHAPE, [FORCE, sn.Force((0.0, 0.5, 0.0), segment=1)])
     assert np.abs(found.states[:, 2]).max() > 0.01, "nothing is twisted"
-    own: Any = lambda states: energy(found, states, SHAPE[:, :2]) - (levers(found) * states).sum()  # noqa: E731
+    own: Any = lambda states: energy(found, states, SHAPE[:, :2])  # noqa: E731
     assert np.abs(slopes(own, found.states)).max() < 1e-8
     assert found.stable
     random = np.random.default_rng(0)
@@ -118,8 +98,7 @@ def test_energy_of_straight_tendons_is_stationary() -> None:
     tensions = np.array([5.0, 0.0, 1.0, 0.0, 3.0, 0.5])
     found = pulled.equilibrium(tensions=tensions, forces=FORCE, initial=SHAPE)
     rests = np.array([[0.1, -0.2]] * 2)
-    left = slopes(lambda states: energy(found, states, rests, tensions), found.states) - levers(found).ravel()
-    assert np.abs(left).max() < 1e-7
+    assert np.abs(slopes(lambda states: energy(found, states, rests, tensions), found.states)).max() < 1e-7
 
 
 def test_the_base_holds_all_loads() -> None:
@@ -162,22 +141,6 @@ def test_more_arcs_come_nearer_to_a_cosserat_rod_with_their_square() -> None:
     assert errors[-1] < 2e-4
     for coarse, fine in pairwise(errors[1:]):
         assert 3.4 < coarse / fine < 4.6
-
-
-@pytest.mark.parametrize("arcs", [2, 3, 5])
-def test_tapered_sections_in_a_plane_are_near_a_cosserat_rod(arcs: int) -> None:
-    """Where nothing turns out of a plane, levers leave errors of the fourth order: 30 times less than without them."""
-    lengths, stiffness, down = [0.3, 0.2, 0.25], [1.0, 0.6, 0.3], np.array([0.0, 0.0, -3.0])
-    segments = [sn.Segment(a, stiffness=sn.Stiffness(b)) for a, b in zip(lengths, stiffness, strict=True)]
-    robot = sn.Robot(segments, gravity=down, mass=0.2, arcs=arcs, payload=sn.Payload(0.1, segment=2))
-    force, q = sn.Force((0.5, 0.0, 0.2)), np.array([[0.6, 0.0, 0.3], [-0.3, 0.0, 0.2], [0.8, 0.0, 0.25]])
-    curvatures, loads = np.array([[0.0, x / length, 0.0] for x, _, length in q]), np.zeros((3, 6))
-    loads[1, :3], loads[2, :3] = 0.1 * down, force.force
-    rod = np.array([[each, 1e4, 1e6] for each in stiffness])
-    true = shoot(np.array(lengths), rod, curvatures, np.tile(0.2 * down, (3, 1)), loads, np.eye(4))
-    found = robot.shape(q, force)
-    assert np.linalg.norm(found.tip[:3, 3] - robot.tip(q)[:3, 3]) > 0.06, "next to nothing is moved"
-    assert np.abs(found.poses - true).max() < 1.2e-3 / arcs**4
 
 
 def test_tendons_of_given_lengths_have_the_tensions_that_hold_them() -> None:

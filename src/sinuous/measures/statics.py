@@ -1,7 +1,5 @@
 """Whether a shape is at rest under its loads: virtual work, by differences of the potential energy.
 
-To these come the levers by which arcs stand for rods, see `kernels.statics.assembly`.
-
 Arcs, their centers of gravity and the holes of tendons are put together from rotations; see `imbalance`.
 
 Whether tensions within their limits hold a shape without load is a linear program for each. No kernel is used.
@@ -55,9 +53,7 @@ def imbalance(robot: Robot, q: Floats, states: Floats, displacements: Floats | N
     pulls = _tensions(own, q, _energy(robot, own, q, states[None])[1][0], displacements)
     left = np.zeros(states.size)
     left[gives.ravel()] = (ahead - back + (longer - shorter) @ pulls) / (2.0 * steps.ravel()[gives.ravel()])
-    residuals = left.reshape(states.shape)
-    residuals[:, :2] -= _lever_moments(robot, own, states, length)
-    off = residuals / np.where(gives, columns, np.inf)
+    off = left.reshape(states.shape) / np.where(gives, columns, np.inf)
     levers = np.cumsum(states[::-1, 3])[::-1]
     return float(np.abs(off[:, :3]).sum(axis=1) @ levers + np.abs(off[:, 3]).sum())
 
@@ -107,29 +103,6 @@ def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats,
         if isinstance(row, RigidRow):
             place, rotation = place + rotation @ row.tail[:3, 3], rotation @ row.tail[:3, :3]
     return total, long
-
-
-def _lever_moments(robot: Robot, own: Body, states: Floats, length: Floats) -> Floats:
-    """Moments (N, 2) that forces beyond have on bends, as tangents between arcs of a section are tilted."""
-    beyond = length[:, None] * own.weights[own.owners]
-    for load in robot.payload if robot.gravity is not None else ():
-        beyond[own.ends[robot.end_row(load.segment) - 1]] += load.mass * np.asarray(robot.gravity)
-    beyond, result = np.cumsum(beyond[::-1], axis=0)[::-1], np.zeros((len(states), 2))
-    rotation = robot.base[:3, :3]
-    for k, (section, turn, roll) in enumerate(zip(own.owners, _turns(states[:, :2]), _roll(states[:, 2]), strict=True)):
-        first, last = own.ends[section] - own.counts[section] + 1, own.ends[section]
-        size = states[k, 3] / 12.0 * np.isfinite(own.stiffness[section, 0])
-        if first < k:
-            more = 0.5 * (float(k == first + 1) + float(k == last))
-            result[k] -= (1.0 + more) * size * (beyond[k] @ rotation)[:2]
-        rotation = rotation @ turn
-        if k < last:
-            more = 0.5 * (float(k == first) + float(k == last - 1))
-            result[k] += (1.0 + more) * size * (beyond[k + 1] @ rotation)[:2]
-        rotation, row = rotation @ roll, robot.rows[section]
-        if isinstance(row, RigidRow):
-            rotation = rotation @ row.tail[:3, :3]
-    return result
 
 
 def _strain(own: Body, q: Floats, states: Floats, length: Floats) -> Floats:

@@ -51,7 +51,7 @@ class Tables(NamedTuple):
 
     Attributes
     ----------
-    arcs, loads, lines : ndarray (N, 24), (k, 10), (t, 10)
+    arcs, loads, lines : ndarray (N, 22), (k, 10), (t, 10)
     slopes : int
         Rows for the lengths of lines in arcs.
     of_lines : ndarray (t, 3 n + 1)

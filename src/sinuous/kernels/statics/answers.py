@@ -41,7 +41,7 @@ def answer(
     """Fill `columns` (p, N, 4) and `pulls` (p, t): how states and tensions change with p parameters.
 
     `x` (N, 4) and `tensions` (t,) are an equilibrium; the rest as for `equilibrium.equilibrate`, `buffer` has
-    `newton.workspace_size` numbers. Tables with a little more of each parameter: `beside_arcs` (p, N, 24),
+    `newton.workspace_size` numbers. Tables with a little more of each parameter: `beside_arcs` (p, N, 9),
     `beside_loads` (p, k, 10) and `beside_lines` (p, t, 10), and the changes `given` (p, N, 4) of what is rigid; `over`
     (p,) is one by how much more that is.
     """

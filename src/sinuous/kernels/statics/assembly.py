@@ -1,12 +1,4 @@
-"""What is known of every arc in one state: kinematics, its own energy, its weight, and its lines.
-
-An arc stands for a piece of rod whose bend is not constant: under the force F beyond, `EI t x t'' = F x t`. Arcs run
-through the places of the rod, to the fourth order of their length l, if the tangents between them are tilted by
-`-l^2 / 12 t''`; and that part of their bends strains nothing. So the moment that bends an arc is its mean moment and
-`l / 12` times the difference of the forces across its end and its beginning: the force beyond has *levers*. Sections
-begin and end without a tilt, where forces and stiffness jump and lines end; the first and the last tilt within make up
-for that, and count one half more. F is that of dead loads and weights, so that a lever asks nothing of other arcs.
-"""
+"""What is known of every arc in one state: kinematics, its own energy, its weight, and its lines."""
 
 import math
 
@@ -66,13 +58,11 @@ def assemble(
         _run_lines(x, lines, tensions, k, end_profile(even), stages, along_arcs)
         weight = scale(load_factor, get_vec(arcs, k, t.WEIGHT))
         arm = sub(position, origin)
-        _put_levers(stages, k, 2, arcs[k, t.TILTS] * length, rotation)
         _weigh(vx, vy, length, center_profile(even), rotation, arm, weight, k, stages)
         turn, shift, by_x, by_y, stretch = pose_and_columns(vx, vy, length)
         _put_twist(stages, k, t.TWIST_COLUMNS, carry(rotation, arm, by_x[0], by_x[1]))
         _put_twist(stages, k, t.TWIST_COLUMNS + 6, carry(rotation, arm, by_y[0], by_y[1]))
         rotation, position = compose(rotation, position, turn, shift)
-        _put_levers(stages, k, 0, arcs[k, t.TILTS + 1] * length, rotation)
         axis = (rotation[0][2], rotation[1][2], rotation[2][2])
         _put_twist(stages, k, t.TWIST_COLUMNS + 12, (axis, cross(sub(position, origin), axis)))
         put_vec(stages, k, t.TWIST_COLUMNS + 18, ZERO)
@@ -82,15 +72,6 @@ def assemble(
             tail = get_mat(arcs, k, t.ARC_TAIL + 1), get_vec(arcs, k, t.ARC_TAIL + 1 + POSE_POSITION)
             rotation, position = compose(rotation, position, tail[0], tail[1])
         put_frame(frames, k + 1, rotation, position)
-
-
-def _put_levers(stages: Array, k: int, first: int, size: float, rotation: Mat) -> None:
-    """Put the two levers of the beginning of arc k (`first` 2), or those of its end (0) less these."""
-    for i in range(2):
-        lever = scale(size, (rotation[0][i], rotation[1][i], rotation[2][i]))
-        if first == 0:
-            lever = sub(lever, get_vec(stages, k, t.LEVERS + 6 + 3 * i))
-        put_vec(stages, k, t.LEVERS + 3 * (first + i), lever)
 
 
 def about_z(angle: float) -> Mat:
@@ -172,7 +153,3 @@ def _weigh(
     _add_mixed(stages, k, t.BEND_X, t.BEND_Y, -xy)
     _add_mixed(stages, k, t.BEND_X, t.LENGTH, -xl)
     _add_mixed(stages, k, t.BEND_Y, t.LENGTH, -yl)
-    for i in range(2):  # of the force beyond the beginning
-        raised = dot(weight, get_vec(stages, k, t.LEVERS + 6 + 3 * i))
-        _add_even(stages, k, i, raised, 0.0)
-        stages[k, t.HESSIAN + 4 * i + t.LENGTH] += raised / length if length > 0.0 else 0.0

@@ -12,8 +12,7 @@ A drive on a parabola leaves the straight line, and takes the state without load
 aside together, and R and c hold as far aside as they come.
 
 c is the least eigenvalue half-way, less what third derivatives can change. That no eigenvalue is less than c is known
-by the signs of the pivots of `H - c M` (Sylvester's law of inertia), of the arcs without their levers, which make it
-unsymmetric; all that these can add to `u' H u` is taken off. All third derivatives are bounded by one rule: a
+by the signs of the pivots of `H - c M` (Sylvester's law of inertia). All third derivatives are bounded by one rule: a
 tangent of the body is a product of rotations, whose m-th derivative along `u` is at most `A^m`, A the sum of the angles
 of u up to there. A line that follows the arcs pulls with a convex energy, where nothing twists, however taut it is. Its
 length is linear in the state there, so that its tension leaves the straight way by no more than the state does.
@@ -63,7 +62,7 @@ Way = namedtuple("Way", ["q", "held", "x", "tensions"])
 Departure = namedtuple("Departure", "sections carried lines bow q x tensions held states arcs bounds sizes")
 """What bounds are made of. Sections (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; how far a drive on a
 parabola leaves the straight line (n, 3). Scratch: a drive (n, 3), its state (N, 4), tensions (t,), lengths of lines
-(t, 3 n + 1), states without load (N, 4), arcs (3, N, 24), `bounds` (N, 25), and the `SIZE` of each line (t,)."""
+(t, 3 n + 1), states without load (N, 4), arcs (3, N, 9), `bounds` (N, 23), and the `SIZE` of each line (t,)."""
 
 (
     BENT,
@@ -89,18 +88,15 @@ parabola leaves the straight line (n, 3). Scratch: a drive (n, 3), its state (N,
     LONG_SHARE,
     ANGLES,
     BOWED,
-    TILTED,
-    ALIKE,
-) = range(25)
+) = range(23)
 """Columns of `bounds`, the greatest values on the way. Sizes of the bend, of that without load, of twist and length;
 by how much these change; compliances of bend, twist and stretch, 0 of what is rigid; change of the length without load,
 relative to the least. How far the drive takes the arc aside: bend, length, that relative to the least length. The
 weight that its directions carry, how much that changes, and is lost aside of the way; moments of what is carried beside
 the backbone. The sum of angles up to there, and the change of its length, are at most so many times the size of a
-change of state. Sums up to there of angles on the way, and of bends aside of it. How much the tilts of the arc count,
-and how much the lesser of both."""
+change of state. Sums up to there of angles on the way, and of bends aside of it."""
 
-BOUND_WIDTH = 25
+BOUND_WIDTH = 23
 
 
 def departure_size(segments: int, arcs: int, lines: int) -> int:
@@ -161,7 +157,7 @@ def measure_size(segments: int, arcs: int, lines: int, slopes: int) -> int:
 
 
 def lay_between(own: Departure, way: Way, share: float, arcs: Array) -> None:
-    """Fill arcs (N, 24), lines, and the state and tensions that are linear between both shapes, at a share of it."""
+    """Fill arcs (N, 22), lines, and the state and tensions that are linear between both shapes, at a share of it."""
     less = 1.0 - share
     for s in range(own.q.shape[0]):
         for j in range(3):
@@ -246,8 +242,6 @@ def _measure_ends(own: Departure, way: Way) -> None:
             row[GROWTH] = more + 2.0 * wider * (1.0 + more)
             for j in range(3):
                 row[BEND_SOFT + j] *= 1.0 + wider
-            row[TILTED] = one[t.TILTS] + one[t.TILTS + 1]
-            row[ALIKE] = min(one[t.TILTS], one[t.TILTS + 1])
             k += 1
 
 
@@ -353,8 +347,6 @@ def _pull(own: Departure) -> float:
         once = row[LONG] * A * share + longer * share + A * long
         twice = row[LONG] * A * A * share + 2.0 * longer * A * share + A * A * long
         total += row[BEYOND] * twice + 2.0 * row[LIGHTER] * once + row[OFFSETS] * A * A * share
-        once, twice = row[LONG] * A + longer, row[LONG] * A * A + 2.0 * longer * A
-        total += row[TILTED] * math.sqrt(row[BEND_SOFT]) * (row[BEYOND] * twice + 2.0 * row[LIGHTER] * once)
     return total
 
 
@@ -373,8 +365,6 @@ def _aside(own: Departure) -> float:
         square += row[BEND_SOFT] * bend * bend + row[TWIST_SOFT] * turn * turn + row[STRETCH_SOFT] * pull * pull
         moved = row[LONG] * bowed * share + row[BOW_LENGTH] * share + bowed * long
         total += row[BEYOND] * moved + row[LOST] * (row[LONG] * share + long) + row[OFFSETS] * bowed * share
-        moved = row[LONG] * bowed + row[BOW_LENGTH]
-        total += row[TILTED] * math.sqrt(row[BEND_SOFT]) * (row[BEYOND] * moved + row[LOST] * row[LONG])
     return math.sqrt(square) + total
 
 
@@ -411,8 +401,6 @@ def _least_eigenvalue(own: Departure, space: Workspace, accuracy: float) -> floa
     """
     steps = POWER_STEPS if accuracy == CLOSE else POWER_STEPS // 4
     foretold = min(1.0, _power(own.arcs[2 * own.x.shape[0] :], steps, space))
-    for k in range(own.x.shape[0]):
-        own.arcs[2 * own.x.shape[0] + k, t.TILTS] = own.arcs[2 * own.x.shape[0] + k, t.TILTS + 1] = 0.0
     assemble(own.x, _body(own).arcs, own.lines, own.tensions, 1.0, space.frames, space.stages, space.slopes)
     bad, good, taken = 0.0, 1.0, 0.0
     less = FIRST_CUT * accuracy if accuracy == CLOSE else accuracy
@@ -469,7 +457,7 @@ def _sure(own: Departure, least: float, radius: float) -> float:
 
     Half-way they are at `least`, and nothing is farther from there than half of the changes.
     """
-    total = most = worst = levers = 0.0
+    total = most = worst = 0.0
     for k in range(own.x.shape[0]):
         row = own.bounds[k]
         share, long, g, c = row[SHARE], row[LONG_SHARE], 0.5 * row[GROWTH], row[RESTED]
@@ -480,12 +468,9 @@ def _sure(own: Departure, least: float, radius: float) -> float:
         total += turned + lighter + row[OFFSETS] * angles * share**2
         bend, twist = math.sqrt(row[BEND_SOFT]), math.sqrt(row[TWIST_SOFT])
         twisted, bent = 0.5 * row[TWISTING] + twist * radius, row[BENT] + bend * radius
-        lever = (row[TILTED] - 2.0 * row[ALIKE]) * (length * share + long)
-        lever += row[ALIKE] * (length * (bend + share * bent) + long * bent)
-        levers += (bend * row[BEYOND] * lever) ** 2
         rested, bending = 0.5 * row[RESTING], 0.5 * row[BENDING] + bend * radius
         mixed = 0.5 * (rested + 0.5 * c * twisted + g * c)
         even = 0.25 * (bending * c + bent * rested + 0.5 * bent * c * twisted + g * bent * c)
         coupled = _stiffness(row, 0) * (mixed * bend * twist + even * row[TWIST_SOFT])
         most, worst = max(most, g), max(worst, coupled)
-    return 1.0 + (least - 1.0) * (1.0 + most) - total - worst - math.sqrt(levers)
+    return 1.0 + (least - 1.0) * (1.0 + most) - total - worst

@@ -20,7 +20,7 @@ SMALL = 1e-3
 
 @entry
 def lay_out(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
-    """Fill arcs (N, 24), the values of lines (t, 10) and the states (N, 4) without load of a drive `q` (n, 3).
+    """Fill arcs (N, 22), the values of lines (t, 10) and the states (N, 4) without load of a drive `q` (n, 3).
 
     sections (n, 23) and lines as in `layout`. A row of `of_lines` (t, 3 n + 1): the derivative by the drive of the
     length that a line is held at, and what that is for a drive of zero; both without chords.
@@ -32,8 +32,8 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
     k = 0
     for s in range(q.shape[0]):
         fraction = 1.0 / sections[s, t.ARC_COUNT]
-        own, count = fraction * q[s, 2], int(sections[s, t.ARC_COUNT])
-        for i in range(count):
+        own = fraction * q[s, 2]
+        for _ in range(int(sections[s, t.ARC_COUNT])):
             for j in range(3):
                 stiffness = sections[s, t.BENDING + j]
                 arcs[k, j] = stiffness / own if own > 0.0 and stiffness < t.RIGID else t.RIGID
@@ -43,8 +43,6 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
                 arcs[k, t.REST_X + j], states[k, j] = fraction * rest, fraction * q[s, j]
             arcs[k, t.REST_LENGTH] = states[k, t.LENGTH] = own
             states[k, t.TWIST] = 0.0
-            for j in range(2):
-                arcs[k, t.TILTS + j] = tilt_weight(i + j, count) if arcs[k, t.BEND_STIFFNESS] < t.RIGID else 0.0
             for j in range(t.TAIL_WIDTH):
                 arcs[k, t.ARC_TAIL + j] = sections[s, t.SECTION_TAIL + j]
             k += 1
@@ -55,12 +53,6 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
                 for j in range(3):
                     value += of_lines[i, 3 * s + j] * q[s, j]
             lines[i, t.LINE_VALUE] = value + _chords(sections, lines, i, q)
-
-
-def tilt_weight(i: int, count: int) -> float:
-    """How much the tilt at place `i` of a section of so many arcs counts: 1/12, more next to its ends, 0 at these."""
-    outermost = int(i == 1) + int(i == count - 1)
-    return (1.0 + 0.5 * outermost) / 12.0 if 0 < i < count else 0.0
 
 
 def _chords(sections: Array, lines: Array, i: int, q: Array) -> float:
@@ -154,14 +146,11 @@ def _ask(
         if c == 2:
             for i in range(4):
                 omega, v = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i), get_vec(stages, k, t.TWIST_COLUMNS + 6 * i + 3)
-                v = add(v, get_vec(stages, k, t.LEVERS + 3 * i)) if i < 2 else v
                 wanted[k, i] += dot(omega, moment) + dot(v, force)
         if k >= first and c == 2:
             _lengthen(x, arcs, k, fraction, wanted, given)
             for i in range(3):
                 wanted[k, i if i < 2 else t.LENGTH] += dot(weight, get_vec(stages, k, t.CENTER_COLUMNS + 3 * i))
-                if i < 2:
-                    wanted[k, i] -= dot(weight, get_vec(stages, k, t.LEVERS + 6 + 3 * i))
             moment, force = add(moment, cross(get_vec(stages, k, t.ARC_CENTER), weight)), add(force, weight)
         elif k >= first:
             _bend(x, arcs, k, c, fraction, sections[s, t.PULLED] > 0.0, wanted, given)

@@ -38,7 +38,7 @@ def equilibrate(
 
     Where it `descends`, to a stable one if there is one near; else to any, under all of the load or not at all.
 
-    `base` (1, 12); arcs (N, 24), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
+    `base` (1, 12); arcs (N, 22), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
     `buffer` has `newton.workspace_size` numbers.
     """
     body, space = begin(base, arcs, loads, lines, slopes, buffer)

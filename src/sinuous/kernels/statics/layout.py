@@ -33,14 +33,11 @@ SECTION_WIDTH = SECTION_TAIL + TAIL_WIDTH
     REST_LENGTH,
     WEIGHT,
 ) = range(7)
-"""Columns of `arcs` (N, 24). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
+"""Columns of `arcs` (N, 22). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
 length without any load; weight (3, force in the world). Bends without load turn with half of the twist. What follows is
-how much the tilts at its beginning and its end count (`TILTS`, 2, see `assembly`), and the tail (`ARC_TAIL`), as of
-`sections`."""
+the tail (`ARC_TAIL`), as of `sections`."""
 
-TILTS = 9
-
-ARC_TAIL = 11
+ARC_TAIL = 9
 
 ARC_WIDTH = ARC_TAIL + TAIL_WIDTH
 
@@ -58,7 +55,7 @@ much one unit of tension stretches it; and its first row in `slopes`."""
 
 LINE_WIDTH = 10
 
-TWIST_COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, ARC_CENTER, RESIDUAL, INVERSE, FEEDBACK, PUSH, PIVOT, LEVERS = (
+TWIST_COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, ARC_CENTER, RESIDUAL, INVERSE, FEEDBACK, PUSH, PIVOT = (
     0,
     24,
     28,
@@ -69,16 +66,14 @@ TWIST_COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, ARC_CENTER, RESIDUAL, INVERSE,
     76,
     100,
     112,
-    128,
 )
-"""Columns of `stages` (N, 140), what is known of each arc. Four twists `(omega, v)` in world axes about the base: how
+"""Columns of `stages` (N, 128), what is known of each arc. Four twists `(omega, v)` in world axes about the base: how
 all beyond moves with its state; derivatives of its own energy, lines and weight (4; 4 x 4); how its center of gravity
 moves with bends and length (3 vectors in the world), and where that is from the base; what is left of its equilibrium
 (4); and of the factors of the sweeps the inverse pivot (4 x 4), the answer to a twist of where it begins (4 x 6), what
-its state adds to the moment of the loads about the base (4 vectors), and the pivot (4 x 4). Levers of tilts: where the
-force beyond moves for its two bends, and the part of that which its beginning has (2 + 2 vectors in the world)."""
+its state adds to the moment of the loads about the base (4 vectors), and the pivot (4 x 4)."""
 
-STAGE_WIDTH = 140
+STAGE_WIDTH = 128
 
 ARC_WORK = 1000
 """Work units that an equilibrium, or a bound on how far it may leave a way, costs for every arc."""

@@ -120,12 +120,10 @@ def _pivot(
 ) -> None:
     """Fill the residual of arc k, in `scratch` rows 0 to 3 its pivot (4) and what twists ask of it (6)."""
     _bend_wrench(x, frames, k, origin, moment, force, scratch)
-    _bend_levers(x[k, t.LENGTH], k, force, stages, scratch)
     for i in range(4):
         omega, v = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i), get_vec(stages, k, t.TWIST_COLUMNS + 6 * i + 3)
-        tested = add(v, get_vec(stages, k, t.LEVERS + 3 * i)) if i < 2 else v
-        stages[k, t.RESIDUAL + i] = stages[k, t.GRADIENT + i] - dot(omega, moment) - dot(tested, force)
-        turning, moving = add(cross(omega, moment), cross(tested, force)), cross(omega, force)
+        stages[k, t.RESIDUAL + i] = stages[k, t.GRADIENT + i] - dot(omega, moment) - dot(v, force)
+        turning, moving = add(cross(omega, moment), cross(v, force)), cross(omega, force)
         for j in range(3):
             back, ahead = 0.0, 0.0
             for m in range(3):
@@ -186,16 +184,6 @@ def _bend_wrench(x: Array, frames: Array, k: int, origin: Vec, moment: Vec, forc
     scratch[7, 3] = 0.0
 
 
-def _bend_levers(length: float, k: int, force: Vec, stages: Array, scratch: Array) -> None:
-    """Add to these rows how levers of arc k turn with its bends and grow with its length."""
-    for i in range(2):
-        lever = get_vec(stages, k, t.LEVERS + 3 * i)
-        end = add(lever, get_vec(stages, k, t.LEVERS + 6 + 3 * i))
-        for j in range(2):
-            scratch[4 + i, j] += dot(get_vec(stages, k, t.TWIST_COLUMNS + 6 * j), cross(end, force))
-        scratch[4 + i, 3] += dot(lever, force) / length if length > 0.0 else 0.0
-
-
 def _invert(arcs: Array, k: int, descends: bool, stages: Array, scratch: Array) -> int:
     """Invert the pivot of arc k; where it is not positive and `descends`, stiffer. Returns how many are negative.
 
@@ -251,11 +239,10 @@ def _close(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None
     for c in range(3):
         i = c if c < 2 else t.LENGTH
         column = get_vec(stages, k, t.CENTER_COLUMNS + 3 * c)
-        put_vec(stages, k, t.PUSH + 3 * i, add(get_vec(stages, k, t.PUSH + 3 * i), cross(column, weight)))
-        tested = sub(column, get_vec(stages, k, t.LEVERS + 6 + 3 * c)) if c < 2 else column
-        pushed = cross(tested, weight)
+        pushed = cross(column, weight)
         for j in range(3):
             scratch[i, 4 + j] += pushed[j]
+        put_vec(stages, k, t.PUSH + 3 * i, add(get_vec(stages, k, t.PUSH + 3 * i), pushed))
     for i in range(4):
         for j in range(6):
             total = 0.0

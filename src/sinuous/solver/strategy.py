@@ -108,16 +108,22 @@ EFFORT_AMONG_MANY = 0.4
 """The same among so many obstacles that there is a tree over them: routes are many, most of them turn too tightly for
 the body, and wide beams find where it can (rods, sheets)."""
 
-UNGUIDED_WIDTHS, EFFORT_OF_AN_UNGUIDED_CHAIN = (8, 16, 32, 64, 128, 256, 512), 0.2
-"""Widths of the beams without a route, and the effort for each chain that they keep."""
+UNGUIDED_WIDTHS = (8, 16, 32, 64, 128, 256, 512)
+"""Widths of the beams without a route."""
+
+EFFORT_OF_AN_UNGUIDED_CHAIN = 0.2
+"""Effort of a beam without a route, in scattered starts, for each chain that it keeps."""
 
 PRIORITY_UNGUIDED = 2.0
 """Priority of a beam without a route, for each chain that it keeps: a route is quicker where there is one (folded,
 cells)."""
 
-PRIORITY_UNGUIDED_AMONG_MANY, UNGUIDED_AT_ONCE = 0.02, 32
-"""The same among so many obstacles that there is a tree over them, where hardly any route is one for the body; and the
-width up to which beams without a route come before any route is looked for (rods, sheets, profiles, hoops)."""
+PRIORITY_UNGUIDED_AMONG_MANY = 0.02
+"""The same among so many obstacles that there is a tree over them: there the body can follow hardly any route."""
+
+UNGUIDED_AT_ONCE = 32
+"""Width up to which beams without a route come first there, before a route is searched for (rods, sheets, profiles,
+hoops)."""
 
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""

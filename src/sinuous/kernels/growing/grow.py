@@ -47,6 +47,9 @@ from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.limits import scattered, uniform
 from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
 
+APART = np.uint64(0x85EBCA77)
+"""How far the keys of random numbers of one segment are from those of the next."""
+
 OVERLAP_COST = 16.0
 """Score of the square of an overlap, in radii."""
 
@@ -128,7 +131,7 @@ def _draw(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
         scattered(problem.limits[k : k + 1], item, beam.levels.shape[1] + k, math.inf, beam.arcs[item : item + 1])
         end = end_of(frame(level, i), get_vec(beam.arcs, item, 0))
         score = level[i, COST] + _score(problem, leg, k, end, 1)
-        chance = uniform(np.uint64(item) + np.uint64(k) * np.uint64(0x85EBCA77))
+        chance = uniform(np.uint64(item) + np.uint64(k) * APART)
         size = heap.push(beam.heap, beam.items, size, score + chance, item)
     return size
 
@@ -252,11 +255,10 @@ def grow_chains(
         while k <= min(leg.last, counts.shape[0] - 2) and counts[k] > 0:
             if open_from < math.inf and _in_the_open(problem, beam, k, counts[k], open_from):
                 return True
-            each = ARCS if leads(leg.guide) else beam.arcs.shape[0] // counts[k]
             if leads(leg.guide):
-                promised = _promise(problem, leg, beam, k, counts[k])
+                each, promised = ARCS, _promise(problem, leg, beam, k, counts[k])
             else:
-                promised = _draw(problem, leg, beam, k, counts[k])
+                each, promised = beam.arcs.shape[0] // counts[k], _draw(problem, leg, beam, k, counts[k])
             made = _make(problem, leg, beam, k, promised, each)
             k += 1
             counts[k] = keep(beam, k, made, mean)

@@ -392,11 +392,16 @@ WHOLES = 2
 """Most chains of one beam that reach the other end by themselves and are given."""
 
 MOST_JUNCTIONS = 4
-"""Most joints of beams that are `FIRST_WIDTH` wide; with their width goes its square root."""
+"""Most junctions of beams that are `FIRST_WIDTH` wide; with their width goes its square root."""
 
-HALVES, MOST_MEETINGS = 16, 4
-"""Width of beams without a route up to which they are grown to the middle only; and most joints of these, by the square
-root of their width."""
+WIDTH_OF_HALVES = 16
+"""Width of beams without a route up to which they are grown to the middle only."""
+
+MOST_MEETINGS = 4
+"""Most junctions of beams without a route that are one wide; with their width goes its square root."""
+
+MEETINGS_OF_A_LENGTH = 16
+"""The same for each number of segments from the base, where `MOST_JUNCTIONS` are looked at along a route."""
 
 GAP = 2.5
 """Greatest gap that is joined, in lengths of a segment."""
@@ -474,7 +479,7 @@ class JoinedChains:
         """Yield chains (n, 3) of beams from both ends that nearly meet: without a route, where they meet is chance."""
         if self._other is None:
             return
-        most = self._n // 2 + 1 if width <= HALVES else self._n
+        most = self._n // 2 + 1 if width <= WIDTH_OF_HALVES else self._n
         ahead, behind = self._ahead(width, most=most), self._behind(self._other, width, most=most)
         yield from self._joined(ahead, behind, round(MOST_MEETINGS * math.sqrt(width)), loose=True)
 
@@ -504,7 +509,8 @@ class JoinedChains:
     def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, loose: bool = False) -> Iterator[Floats]:
         """Yield chains (n, 3) that meet both ends, of parts from either end; `loose`: that nearly do."""
         assert self._other is not None
-        for _, k, i, j in self._joints(ahead, behind, MOST_JUNCTIONS * (1 + 3 * loose))[:most]:
+        each = MEETINGS_OF_A_LENGTH if loose else MOST_JUNCTIONS
+        for _, k, i, j in self._joints(ahead, behind, each)[:most]:
             if self._deadline() <= 0.0:
                 return
             (head, _), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)

@@ -24,10 +24,7 @@ def centerline(count: int) -> tuple[Floats, Floats]:
     s = np.linspace(-20.0, 420.0, 4401)
     first = np.radians(70.0) * np.clip((s - 60.0) / 160.0, 0.0, 1.0)
     second = np.radians(70.0) * np.clip((s - 220.0) / 160.0, 0.0, 1.0)
-    tangents = np.stack(
-        [np.sin(first) * np.cos(second), np.sin(second), np.cos(first) * np.cos(second)],
-        axis=-1,
-    )
+    tangents = np.stack([np.sin(first) * np.cos(second), np.sin(second), np.cos(first) * np.cos(second)], axis=-1)
     steps = 0.5 * (tangents[1:] + tangents[:-1]) * np.diff(s)[:, None]
     points = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]) - [0.0, 0.0, 20.0]
     chosen = np.linspace(0, len(s) - 1, count).round().astype(int)

@@ -98,10 +98,7 @@ def test_a_segment_may_be_named_wherever_one_is_asked_for() -> None:
     assert job.waypoints[0][0].segment == 2
     assert [
         r.segments[2].max_bend for r in sn.studies.sweep(NAMED, {"segments[wrist].max_bend": [1, 1.5]}).values()
-    ] == [
-        1,
-        1.5,
-    ]
+    ] == [1, 1.5]
 
 
 def test_a_name_of_no_segment_is_refused_and_the_nearest_is_said() -> None:

@@ -116,12 +116,7 @@ def test_actuators_of_the_whole_robot_are_checked() -> None:
     refused("actuators", lambda: Robot([Segment(1.0)], actuators=bad))
 
 
-PARTS = [
-    Segment((0.0, 0.5), max_bend=0.0),
-    Segment(1.0, 2.0),
-    Segment(0.1, max_bend=0.0),
-    Segment((0.8, 1.2), 2.0),
-]
+PARTS = [Segment((0.0, 0.5), max_bend=0.0), Segment(1.0, 2.0), Segment(0.1, max_bend=0.0), Segment((0.8, 1.2), 2.0)]
 
 
 def row(*weights: Any) -> list[float]:
@@ -161,11 +156,7 @@ def test_a_row_says_the_same_within_the_limits_of_segments(name: str, gain: floa
 
 @pytest.mark.parametrize(
     "weights",
-    [
-        row(NONE, PLANE, NONE, (0.3, 0.2, 0)),
-        row(NONE, PLANE, NONE, (0.6, -0.4, 0)),
-        row((0, 0, 1), NONE, NONE, PLANE),
-    ],
+    [row(NONE, PLANE, NONE, (0.3, 0.2, 0)), row(NONE, PLANE, NONE, (0.6, -0.4, 0)), row((0, 0, 1), NONE, NONE, PLANE)],
 )
 def test_limits_that_no_row_says_are_refused(weights: list[float]) -> None:
     key = "actuators.limits[0]"

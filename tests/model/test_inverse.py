@@ -117,11 +117,7 @@ def test_values_by_name_are_those_in_order() -> None:
 def test_open_coordinates_are_named() -> None:
     pair = Tendons(2, 0.1)
     robot = Robot([Segment(1.0, tendons=pair), Segment((0.5, 1.5), tendons=Tendons(3, 0.1), name="wrist")])
-    refused(
-        "initial",
-        lambda: robot.from_actuators(np.zeros(5)),
-        "length of wrist (segment 2)",
-    )
+    refused("initial", lambda: robot.from_actuators(np.zeros(5)), "length of wrist (segment 2)")
     sum_only = Robot([Segment(1.0), Segment(1.0, tendons=Tendons(3, 0.1))])
     named = "bend_x of s1 (segment 1), bend_y of s1 (segment 1), bend_x of s2 (segment 2), bend_y of s2"
     refused("initial", lambda: sum_only.from_actuators(np.zeros(3)), named)

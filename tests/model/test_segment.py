@@ -12,10 +12,7 @@ import pytest
 import sinuous as sn
 from sinuous.model.segment import arc_parameters, from_arc_parameters
 from tests.cases import with_each
-from tests.helpers import (
-    refused,
-    refused_each,
-)
+from tests.helpers import refused, refused_each
 
 
 def test_arc_parameters_there_and_back() -> None:

@@ -23,9 +23,7 @@ from sinuous.solver.certificates.steps import Steps
 from tests.cases import with_each
 from tests.helpers import refused
 
-ROBOT = sn.Robot(
-    [sn.Segment((0.8, 1.2), 2.0, radius=0.05, tendons=sn.Tendons(3, 0.04)) for _ in range(3)],
-)
+ROBOT = sn.Robot([sn.Segment((0.8, 1.2), 2.0, radius=0.05, tendons=sn.Tendons(3, 0.04)) for _ in range(3)])
 BALL = sn.Sphere((0.9, 0.0, 1.2), 0.3, name="ball")
 STRAIGHT = np.tile([0.0, 0.0, 1.0], (3, 1))
 BENT = np.array([[-0.4, 0.2, 1.1], [-0.3, 0.0, 0.9], [0.2, 0.5, 1.0]])

@@ -104,10 +104,7 @@ def test_wrong_files_are_refused(tmp_path: Path) -> None:
     good: dict[str, Any] = {"values": distances(), "origin": ORIGIN, "spacing": SPACING}
     file = tmp_path / "grid.npz"
     for change, message in (
-        (
-            {"values": None},
-            r"grid\.npz: values: missing; expected .* values, .*, got \['origin', 'spacing'\]",
-        ),
+        ({"values": None}, r"grid\.npz: values: missing; expected .* values, .*, got \['origin', 'spacing'\]"),
         ({"spacing": None}, r"grid\.npz: spacing: missing; expected .*"),
         ({"spacing": [0.5, 0.5, 0.6]}, r"grid\.npz: spacing: expected the same spacing along all axes"),
         ({"spacing": True}, r"grid\.npz: spacing: expected a number greater than 0, got True"),

@@ -91,11 +91,7 @@ def test_bad_files_are_refused(tmp_path: Path) -> None:
         ("words.txt", "1 2 3\n1 two 3\n", r"words\.txt: line 2\.column 2: expected a finite number, got 'two'"),
         ("short.txt", "1 2 3\n1 2 3\n1 2\n", r"short\.txt: line 3: has 2 cells; expected 3, got '1 2'"),
         ("nothing.xyz", "# no points\n\n", r"nothing\.xyz: points: expected at least one point"),
-        (
-            "hole.xyz",
-            "1 2 3\n1 nan 3\n",
-            r"hole\.xyz: points\[1\]: 1 of 2 points .*, got \[1\.0, nan",
-        ),
+        ("hole.xyz", "1 2 3\n1 nan 3\n", r"hole\.xyz: points\[1\]: 1 of 2 points .*, got \[1\.0, nan"),
         ("a.npy", "no array", "^file: cannot be read: .*; expected "),
         ("a.ply", "no points", "^file: cannot be read: .*; expected "),
         ("a.pcd", "no points", r"a\.pcd: file: cannot be read: no PCD header; expected a PCD file, got .*"),
@@ -295,10 +291,7 @@ def refuse(content: bytes, message: str) -> None:
 def test_damage_is_refused() -> None:
     refuse(b"", r"a\.pcd: file: .*no PCD header")
     refuse(b"\x00" * 100_000, "no PCD header")
-    refuse(
-        header("ascii").replace(b"x y z", b"x y w") + b"",
-        r"a\.pcd: FIELDS: has no z; expected .* x y z, got ",
-    )
+    refuse(header("ascii").replace(b"x y z", b"x y w") + b"", r"a\.pcd: FIELDS: has no z; expected .* x y z, got ")
     refuse(header("zip"), r"a\.pcd: DATA: expected one of ascii, binary, binary_compressed, got 'zip'")
     refuse(header("ascii").replace(b"POINTS 50", b"POINTS many"), r"POINTS: expected a whole number, got ")
     refuse(header("ascii").replace(b"POINTS 50\n", b""), r"POINTS: expected a whole number, got ")

@@ -160,10 +160,7 @@ def test_an_obstacle_is_moved_as_a_whole() -> None:
     rng = np.random.default_rng(4)
     points, turn = rng.normal(size=(300, 3)), random_rotation(rng)
     probes = rng.normal(size=(100, 3)) * 2.0
-    described = {
-        "cloud": sn.PointCloud(points, 0.05, name="cloud"),
-        "box": sn.Box((1, 0, 0), (1, 2, 3), name="box"),
-    }
+    described = {"cloud": sn.PointCloud(points, 0.05, name="cloud"), "box": sn.Box((1, 0, 0), (1, 2, 3), name="box")}
     scene = sn.Scene(described.values())
     before = scene.snapshot()
     for name, obstacle in described.items():

@@ -113,10 +113,7 @@ def solved_place(family: str, number: int) -> tuple[Place, Solver]:
     return there, in_there
 
 
-@pytest.mark.parametrize(
-    ("family", "number", "by"),
-    [("folded", 0, "shape"), ("two doors", 4, "route")],
-)
+@pytest.mark.parametrize(("family", "number", "by"), [("folded", 0, "shape"), ("two doors", 4, "route")])
 def test_what_one_solve_finds_is_among_them(family: str, number: int, by: Literal["route", "shape"]) -> None:
     there, in_there = solved_place(family, number)
     found = in_there.solve_all(there.targets, count=1, by=by)

@@ -325,12 +325,7 @@ def test_limits_of_tendons_hold_behind_joints() -> None:
 
 
 @pytest.mark.parametrize(
-    ("joints", "said"),
-    [
-        ([3], "joints\\[0\\]"),
-        ([{"revolute": {}}], "joints\\[0\\]"),
-        ([lambda: 0], "joints\\[0\\]"),
-    ],
+    ("joints", "said"), [([3], "joints\\[0\\]"), ([{"revolute": {}}], "joints\\[0\\]"), ([lambda: 0], "joints\\[0\\]")]
 )
 def test_what_is_no_joint_is_refused(joints: list[object], said: str) -> None:
     with pytest.raises(sn.InputError, match=said):

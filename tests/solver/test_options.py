@@ -146,11 +146,7 @@ def test_each_attempt_leads_to_a_solution_by_itself(family: str, number: int, na
 @pytest.mark.parametrize("tool", [False, True])
 @pytest.mark.parametrize(
     ("family", "number", "names"),
-    [
-        ("two tubes", 2, ("cells", "grown")),
-        ("door in mesh", 54, ("edges", "gates")),
-        ("two tubes", 2, ("unguided",)),
-    ],
+    [("two tubes", 2, ("cells", "grown")), ("door in mesh", 54, ("edges", "gates")), ("two tubes", 2, ("unguided",))],
 )
 def test_chains_from_both_ends_meet_whatever_is_asked(
     family: str, number: int, names: tuple[str, ...], tool: bool, asked: str

@@ -6,14 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.kernels.tables import (
-    FAILED,
-    GIVEN,
-    LATE,
-    SOLVED,
-    UNPROVED,
-    Outcome,
-)
+from sinuous.kernels.tables import FAILED, GIVEN, LATE, SOLVED, UNPROVED, Outcome
 from sinuous.solver.attempts import ENOUGH, FirstSolved
 
 

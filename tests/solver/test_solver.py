@@ -119,10 +119,7 @@ def test_several_targets_at_once() -> None:
     solver = sn.Solver(robot, tolerance=sn.Tolerance(1e-4, 1e-6))
     for q in random_shapes(robot, 30, 4):
         poses = robot.forward(q)
-        targets = [
-            sn.Target(poses[-1, :3, 3], rotation=poses[-1, :3, :3]),
-            sn.Target(poses[2, :3, 3], segment=3),
-        ]
+        targets = [sn.Target(poses[-1, :3, 3], rotation=poses[-1, :3, :3]), sn.Target(poses[2, :3, 3], segment=3)]
         solution = solver.solve(targets)
         assert solution.solved
         assert solution.verify().ok
@@ -169,11 +166,7 @@ def test_the_time_budget_is_kept() -> None:
 
 def test_out_of_reach_is_proved_at_once() -> None:
     robot = sn.Robot.uniform(5, (45, 70), 0.3)
-    for target in (
-        sn.Target((0, 0, 350.2)),
-        sn.Target((10, 0, 100)),
-        sn.Target(direction=(0, 1, -1)),
-    ):
+    for target in (sn.Target((0, 0, 350.2)), sn.Target((10, 0, 100)), sn.Target(direction=(0, 1, -1))):
         solution = sn.solve(robot, target)
         assert solution.status is sn.Status.OUT_OF_REACH, target
         assert solution.starts == 1

@@ -162,12 +162,7 @@ def reversed_from(points: Array, count: int) -> None:
 
 @entry
 def follow_tube(
-    scene: Array,
-    start: Array,
-    sizes: tuple[float, float, float],
-    seconds: float,
-    clock: Array,
-    points: Array,
+    scene: Array, start: Array, sizes: tuple[float, float, float], seconds: float, clock: Array, points: Array
 ) -> tuple[int, int]:
     """Follow the axis of the tube that a place lies in.
 

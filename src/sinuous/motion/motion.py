@@ -412,10 +412,7 @@ class Motion(NotebookMixin, Frozen):
         return deviation(body, q, line_in_front(self.robot, curve))
 
     def derivative(
-        self,
-        curve: "Rows | Curve",
-        depths: Vector,
-        wrt: "LeaderParameter | Sequence[LeaderParameter]" = ("advance",),
+        self, curve: "Rows | Curve", depths: Vector, wrt: "LeaderParameter | Sequence[LeaderParameter]" = ("advance",)
     ) -> "LeaderDerivative":
         """Derive the shapes of `follow_the_leader` by the curve, the advance, the base and the lengths.
 

@@ -339,12 +339,7 @@ class Grid(Sampled):
 
     @classmethod
     def load(
-        cls,
-        file: str | Path,
-        name: str | None = None,
-        *,
-        exact: Truth | None = None,
-        truncated: Number | None = None,
+        cls, file: str | Path, name: str | None = None, *, exact: Truth | None = None, truncated: Number | None = None
     ) -> "Grid":
         """Read an NPZ file with the arrays `values`, `origin` and `spacing`; nothing in it is ever unpickled.
 

@@ -198,13 +198,7 @@ class ControlLoop:
         return self._robot.limit_set.keep(q, pulls_at(self._robot, q))
 
     def _answer(
-        self,
-        scene: Snapshot,
-        asked: StepQuery,
-        initial: Floats,
-        limits: RateLimits,
-        dt: float,
-        velocity: Floats | None,
+        self, scene: Snapshot, asked: StepQuery, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
     ) -> Floats:
         """Make a tick, of the loaded body where there is one; see `_tick`."""
         if self._group is None:

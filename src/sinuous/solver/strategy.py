@@ -558,10 +558,7 @@ class RouteAttempts:
         width = FIRST_WIDTH
         while width <= LAST_WIDTH:
             self._add_along(
-                "grown",
-                candidate,
-                self._grown_effort * width,
-                partial(self._candidates.grown_chains, candidate, width),
+                "grown", candidate, self._grown_effort * width, partial(self._candidates.grown_chains, candidate, width)
             )
             width *= 2
 

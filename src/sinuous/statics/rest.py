@@ -41,11 +41,7 @@ class Rest:
     tensions: Floats
 
     def __init__(
-        self,
-        robot: Robot,
-        q: Floats,
-        before: "Rest | None" = None,
-        displacements: Floats | None = None,
+        self, robot: Robot, q: Floats, before: "Rest | None" = None, displacements: Floats | None = None
     ) -> None:
         from sinuous.kernels.statics.equilibrium import UNSTABLE  # noqa: PLC0415
 

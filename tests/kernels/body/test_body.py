@@ -149,13 +149,7 @@ def test_a_proof_ends_with_the_time() -> None:
 
 
 def contacts(
-    q: Floats,
-    frames: Floats,
-    scene: Scene,
-    k: int,
-    margins: tuple[float, float],
-    depth: int,
-    mount: float = 0.0,
+    q: Floats, frames: Floats, scene: Scene, k: int, margins: tuple[float, float], depth: int, mount: float = 0.0
 ) -> tuple[Any, int, float]:
     rows: Any = make_rows(len(q), PER_SEGMENT)
     scratch = Scratch(np.empty(len(scene), np.int64), make_clock())

@@ -19,16 +19,7 @@ from sinuous.kernels.chain import arc
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, acceleration_bound, measure_rates
 from sinuous.kernels.chain.single_arc import MOST_HALF_BEND, arc_to
 from sinuous.kernels.packing import plain_rows
-from tests.helpers import (
-    BENDS,
-    LENGTHS,
-    Floats,
-    as_matrix,
-    complex_columns,
-    frames_of,
-    twist_matrix,
-    twist_of,
-)
+from tests.helpers import BENDS, LENGTHS, Floats, as_matrix, complex_columns, frames_of, twist_matrix, twist_of
 
 ANGLES = (0.0, 0.5 * math.pi, 2.1, -2.9)
 

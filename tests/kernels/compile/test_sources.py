@@ -38,8 +38,7 @@ GROWING, STEP, VECTORS = "kernels/growing/grow.py", "kernels/step/newton.py", "k
 
 
 @pytest.mark.parametrize(
-    ("changed", "meant"),
-    [(GROWING, {GROWING}), (VECTORS, {GROWING, STEP, VECTORS}), ("methods/dls.py", set[str]())],
+    ("changed", "meant"), [(GROWING, {GROWING}), (VECTORS, {GROWING, STEP, VECTORS}), ("methods/dls.py", set[str]())]
 )
 def test_a_stamp_changes_with_what_is_imported_alone(
     copy: Callable[[str], Path], changed: str, meant: set[str]

@@ -83,8 +83,7 @@ def query(**changed: Any) -> Floats:
         at = getattr(t, f"QUERY_{name.upper()}")
         out[at : at + np.size(value)] = value
     return packing.plan_search(
-        out,
-        **{name: (values | changed)[name] for name in ("cell", "clearance", "free_margin", "most_cells", "prove")},
+        out, **{name: (values | changed)[name] for name in ("cell", "clearance", "free_margin", "most_cells", "prove")}
     )
 
 

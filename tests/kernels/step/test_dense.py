@@ -5,13 +5,7 @@ import pytest
 
 from sinuous.kernels.body.rows import END, INNER, SOFT
 from sinuous.kernels.packing import plain_rows
-from sinuous.kernels.step.dense import (
-    JACOBIAN_WIDTH,
-    MOST_SEGMENTS,
-    are_few,
-    dense_step,
-    fill_constraint_jacobian,
-)
+from sinuous.kernels.step.dense import JACOBIAN_WIDTH, MOST_SEGMENTS, are_few, dense_step, fill_constraint_jacobian
 from tests.helpers import columns_of, configurations
 from tests.kernels.step.test_sweeps import dense_step as expected_step
 from tests.kernels.step.test_sweeps import random_rows

@@ -16,15 +16,7 @@ from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner, QueryEnds
 from sinuous.motion.planning.query import ProvedPath, Query
-from sinuous.motion.planning.retraction import (
-    ENOUGH,
-    KINDS,
-    LONGEST,
-    TURNS_BEFORE,
-    Retraction,
-    retraction,
-    slid_back,
-)
+from sinuous.motion.planning.retraction import ENOUGH, KINDS, LONGEST, TURNS_BEFORE, Retraction, retraction, slid_back
 from sinuous.motion.planning.rrt_connect import RRTConnect, rrt_connect
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.path import Curve

@@ -9,13 +9,7 @@ from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solver.route_classes.curves import RouteCurves
-from sinuous.solver.route_classes.passages import (
-    Passage,
-    SurfaceBounds,
-    make_blocking_surface,
-    passages,
-    refined,
-)
+from sinuous.solver.route_classes.passages import Passage, SurfaceBounds, make_blocking_surface, passages, refined
 from tests.helpers import Floats
 from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, thin_wall, wall
 

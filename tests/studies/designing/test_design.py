@@ -68,8 +68,7 @@ def most_of(minimise: str, robot: sn.Robot, answers: Floats) -> float:
 
 
 @pytest.mark.parametrize(
-    ("minimise", "template", "scene", "better"),
-    [("bend", TEMPLATE, [BALL], 0.95), ("tension", SOFT, [], 0.97)],
+    ("minimise", "template", "scene", "better"), [("bend", TEMPLATE, [BALL], 0.95), ("tension", SOFT, [], 0.97)]
 )
 def test_derivatives_lead_fields_and_answers_to_a_better_robot(
     minimise: str, template: sn.Robot, scene: list[Any], better: float, monkeypatch: pytest.MonkeyPatch

@@ -23,19 +23,7 @@ from sinuous.kernels.fields.distances import Scene, beside, evaluate, is_large, 
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import (
-    CENTER,
-    EXTENT,
-    KIND,
-    LINK,
-    MAX_LENGTH,
-    ONWARD,
-    RADIUS,
-    RIGID,
-    ROUNDOFF,
-    SIGN,
-    TREE,
-)
+from sinuous.kernels.tables import CENTER, EXTENT, KIND, LINK, MAX_LENGTH, ONWARD, RADIUS, RIGID, ROUNDOFF, SIGN, TREE
 
 Accuracy = namedtuple("Accuracy", ["slack", "finest", "rounding", "mount", "prefix"])
 """How far below the truth a clearance may be, as a share of it, and by `finest` more: with 1 it is enough that it is

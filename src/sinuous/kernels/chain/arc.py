@@ -53,11 +53,7 @@ def pose(ux: float, uy: float, length: float) -> tuple[Mat, Vec]:
 
 def _pose(ux: float, uy: float, length: float, x: float, S: float, G: float) -> tuple[Mat, Vec]:
     xy = -G * ux * uy
-    rotation = (
-        (1.0 - G * ux * ux, xy, S * ux),
-        (xy, 1.0 - G * uy * uy, S * uy),
-        (-S * ux, -S * uy, 1.0 - G * x),
-    )
+    rotation = ((1.0 - G * ux * ux, xy, S * ux), (xy, 1.0 - G * uy * uy, S * uy), (-S * ux, -S * uy, 1.0 - G * x))
     return rotation, (length * G * ux, length * G * uy, length * S)
 
 

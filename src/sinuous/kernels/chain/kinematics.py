@@ -125,11 +125,7 @@ def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tupl
     rotation, position = frame(frames, k)
     _, _, x, y, stretch = pose_and_columns(s * q[k, 0], s * q[k, 1], s * q[k, 2])
     arm = sub(position, origin)
-    return (
-        carry(rotation, arm, x[0], x[1]),
-        carry(rotation, arm, y[0], y[1]),
-        (ZERO, mat_vec(rotation, stretch)),
-    )
+    return (carry(rotation, arm, x[0], x[1]), carry(rotation, arm, y[0], y[1]), (ZERO, mat_vec(rotation, stretch)))
 
 
 def forward_with_columns(limits: Array, q: Array, frames: Array, columns: Array) -> None:

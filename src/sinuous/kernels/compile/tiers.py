@@ -102,12 +102,7 @@ PIECES = (
         tuple(f"kernels.chain.batch.{name}" for name in ("frames_of", "points_of", "jacobians_of")),
         most=FEW,
     ),
-    Piece(
-        "distances",
-        3,
-        ("kernels.fields.distances.many", "kernels.fields.distances.least_gap"),
-        most=FEW,
-    ),
+    Piece("distances", 3, ("kernels.fields.distances.many", "kernels.fields.distances.least_gap"), most=FEW),
     Piece(
         "trees of meshes, clouds and grids",
         2,
@@ -123,11 +118,7 @@ PIECES = (
     Piece(
         "sampling of meshes, clouds and grids",
         3,
-        (
-            "kernels.fields.solids.enclose",
-            "kernels.fields.solids.sample",
-            "kernels.fields.candidates.list_candidates",
-        ),
+        ("kernels.fields.solids.enclose", "kernels.fields.solids.sample", "kernels.fields.candidates.list_candidates"),
         most=0,
     ),
     Piece(
@@ -186,11 +177,7 @@ PIECES = (
         tuple(f"kernels.derivative.query.{name}" for name in ("derive", "derive_many", "find_contacts")),
         most=FEW,
     ),
-    Piece(
-        "the method opti_path",
-        10,
-        ("methods.opti_path.search.search", "methods.opti_path.path.sample"),
-    ),
+    Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.path.sample")),
     Piece("the method dls", 4, ("methods.dls.search",)),
     Piece("the methods fabrikc, fabrikx and fabrik_avoid", 7, ("methods.fabrik.reaching.search",)),
     Piece("the method slinki", 6, ("methods.slinki.search",)),
@@ -341,11 +328,7 @@ def _may_come_later(piece: Piece, arguments: tuple[Any, ...]) -> bool:
 
 
 def _interpreted_first(
-    interpreted: Callable[..., Any],
-    choose: Callable[..., Any],
-    piece: Piece,
-    path: Path,
-    arguments: tuple[Any, ...],
+    interpreted: Callable[..., Any], choose: Callable[..., Any], piece: Piece, path: Path, arguments: tuple[Any, ...]
 ) -> Any:
     """Interpret a call; where that is abandoned, put everything back, and call what is chosen now."""
     with no_work():

@@ -37,14 +37,7 @@ from sinuous.kernels.step.limits import (
     plane_range,
     possible_bend,
 )
-from sinuous.kernels.step.targets import (
-    X,
-    Y,
-    Z,
-    end_pose,
-    end_segment,
-    miss_of,
-)
+from sinuous.kernels.step.targets import X, Y, Z, end_pose, end_segment, miss_of
 from sinuous.kernels.velocity.contacts import closest_place
 from sinuous.kernels.velocity.layout import (
     ACTUATOR_LIMIT,

@@ -108,13 +108,7 @@ def _across(a: Vec, m: Mat) -> Vec:
 
 
 def _of_constraint(
-    scene: Scene | None,
-    problem: Problem,
-    asked: Array,
-    lines: Array,
-    work: Workspace,
-    at: int,
-    wrench: tuple[Vec, Vec],
+    scene: Scene | None, problem: Problem, asked: Array, lines: Array, work: Workspace, at: int, wrench: tuple[Vec, Vec]
 ) -> None:
     sides, about, limits = work.sides, work.about, problem.limits
     kind, k, other = int(about[at, d.ROW_KIND]), int(about[at, d.ROW_SEGMENT]), int(about[at, d.ROW_OTHER])

@@ -65,11 +65,7 @@ def look_up(store: Array, grid: SampleGrid, p: Vec) -> tuple[CellCorners, Vec, V
         store[at + a + b + c],
     )
     h = grid.spacing
-    beyond = (
-        _beyond(x, nx) * h,
-        _beyond(y, ny) * h,
-        _beyond(z, nz) * h,
-    )
+    beyond = (_beyond(x, nx) * h, _beyond(y, ny) * h, _beyond(z, nz) * h)
     return corners, (tx, ty, tz), beyond
 
 

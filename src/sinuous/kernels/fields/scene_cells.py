@@ -11,14 +11,7 @@ import math
 from sinuous.kernels import tables as t
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, evaluate
-from sinuous.kernels.fields.hierarchy import (
-    CELLS_ROOT,
-    CELLS_SIZE,
-    ENTRY_SIZE,
-    LIST_BEYOND,
-    LIST_COUNT,
-    LIST_SIZE,
-)
+from sinuous.kernels.fields.hierarchy import CELLS_ROOT, CELLS_SIZE, ENTRY_SIZE, LIST_BEYOND, LIST_COUNT, LIST_SIZE
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec
 

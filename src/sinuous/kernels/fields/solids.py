@@ -116,11 +116,7 @@ def _interpolate(sign: float, corners: grids.CellCorners, t: Vec, beyond: Vec, s
     gap = norm(beyond)
     if gap == 0.0:
         return d, g
-    along = (
-        g[0] if beyond[0] == 0.0 else 0.0,
-        g[1] if beyond[1] == 0.0 else 0.0,
-        g[2] if beyond[2] == 0.0 else 0.0,
-    )
+    along = (g[0] if beyond[0] == 0.0 else 0.0, g[1] if beyond[1] == 0.0 else 0.0, g[2] if beyond[2] == 0.0 else 0.0)
     if sign < 0.0:
         return d - gap, sub(along, scale(1.0 / gap, beyond))
     d = max(d, 0.0)

@@ -77,11 +77,7 @@ def _end(grid: SearchGrid, which: int) -> tuple[Vec, float]:
 
 def _clamp(p: Vec, low: Vec, high: Vec) -> Vec:
     """The point between two corners that is nearest to `p`."""
-    return (
-        min(max(p[0], low[0]), high[0]),
-        min(max(p[1], low[1]), high[1]),
-        min(max(p[2], low[2]), high[2]),
-    )
+    return (min(max(p[0], low[0]), high[0]), min(max(p[1], low[1]), high[1]), min(max(p[2], low[2]), high[2]))
 
 
 def _begin(side: Side, cell: int, off: float, p: Vec) -> None:

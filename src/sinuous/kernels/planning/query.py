@@ -10,15 +10,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.shortcuts import (
-    Exactness,
-    Path,
-    bound_worst,
-    forget_edges,
-    joins,
-    shorten,
-    skip,
-)
+from sinuous.kernels.planning.shortcuts import Exactness, Path, bound_worst, forget_edges, joins, shorten, skip
 from sinuous.kernels.planning.space import Space, measure_levers
 from sinuous.kernels.planning.trees import GONE, GrowthTerms, Trees, cut, grow, path_through, plant, prove_trees
 from sinuous.kernels.problem import Robot, read_robot

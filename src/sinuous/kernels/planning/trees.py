@@ -148,13 +148,7 @@ def grow(space: Space, trees: Trees, terms: GrowthTerms, first: int, last: int) 
 def _as_fine(terms: GrowthTerms, fine: float) -> GrowthTerms:
     """The same terms for a draw that is so fine."""
     return GrowthTerms(
-        terms.step,
-        terms.spacing,
-        terms.least * fine,
-        terms.finest * fine,
-        terms.back * fine,
-        terms.seed,
-        terms.proves,
+        terms.step, terms.spacing, terms.least * fine, terms.finest * fine, terms.back * fine, terms.seed, terms.proves
     )
 
 

@@ -12,14 +12,7 @@ from sinuous.base.progress import LOOK
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify, forget
-from sinuous.kernels.certificate.sweep import (
-    CLEARANCES_WIDTH,
-    LEAST_SEEN,
-    PROVED_BOUND,
-    SEGMENT,
-    WHEN,
-    Motion,
-)
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, Motion
 from sinuous.kernels.clock import allow_work, begin, late, spend, work_left
 from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.fields.distances import number_of

@@ -13,8 +13,7 @@ from typer.main import get_command
 import sinuous as sn
 from benchmarks.methods import FAITHFUL
 from sinuous.cli.app import app, main
-from sinuous.files.nouns import keys_of
-from sinuous.files.problem_file import KEYS
+from sinuous.files.nouns import KEYS, keys_of
 from sinuous.methods.method import LIMITS, METHODS, capabilities
 from tests.cases import with_each
 

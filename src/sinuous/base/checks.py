@@ -7,10 +7,11 @@ import math
 import numbers
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from importlib import import_module
 from itertools import islice
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -54,6 +55,26 @@ def in_file(file: object) -> Iterator[None]:
         yield
     except InputError as error:
         raise error.in_file(file) from None
+
+
+def written(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
+    """Refuse a file, under `key`, when it turns out within that it cannot be written."""
+    return _usable(file, key, "written", "a file that can be written")
+
+
+def readable(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
+    """Refuse a file, under `key`, when it turns out within that it cannot be read."""
+    return _usable(file, key, "read", "the name of a file that can be read")
+
+
+@contextmanager
+def _usable(file: str | Path, key: str, use: str, expected: str) -> Iterator[None]:
+    if "\0" in str(file):
+        raise InputError(key, f"cannot be {use}: a null character in its name", str(file), expected)
+    try:
+        yield
+    except OSError as error:
+        raise InputError(key, f"cannot be {use}: {error.strerror or error}", str(file), expected) from None
 
 
 def instance(key: str, value: Any, kind: Any, expected: str) -> None:

@@ -13,7 +13,7 @@ import re
 import threading
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from xml.etree.ElementTree import Element, ElementTree, indent
 
 import numpy as np
 
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, readable, written
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 
@@ -34,26 +34,6 @@ WIDTH = 120
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")
 _WORDS = frozenset({"null", "true", "false", "yes", "no", "on", "off", "y", "n"})
 """Texts that some version of YAML takes for something else."""
-
-
-def written(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
-    """Refuse a file, under `key`, when it turns out within that it cannot be written."""
-    return _usable(file, key, "written", "a file that can be written")
-
-
-def readable(file: str | Path, key: str = "file") -> AbstractContextManager[None]:
-    """Refuse a file, under `key`, when it turns out within that it cannot be read."""
-    return _usable(file, key, "read", "the name of a file that can be read")
-
-
-@contextmanager
-def _usable(file: str | Path, key: str, use: str, expected: str) -> Iterator[None]:
-    if "\0" in str(file):
-        raise InputError(key, f"cannot be {use}: a null character in its name", str(file), expected)
-    try:
-        yield
-    except OSError as error:
-        raise InputError(key, f"cannot be {use}: {error.strerror or error}", str(file), expected) from None
 
 
 @contextmanager

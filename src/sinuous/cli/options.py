@@ -397,7 +397,7 @@ def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:
     if any(Path(name).resolve() == file.resolve() for name in inputs):
         raise InputError(option, "would overwrite a problem file", str(file), "another file")
     there = file.exists()
-    from sinuous.base.documents import written  # noqa: PLC0415  # with NumPy, which help does without
+    from sinuous.base.checks import written  # noqa: PLC0415  # with NumPy, which help does without
 
     with written(file, option):
         with file.open("ab"):

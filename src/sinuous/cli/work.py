@@ -21,8 +21,8 @@ from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import column_names
 from sinuous.answer.status import Status
 from sinuous.base import checks
-from sinuous.base.checks import Floats
-from sinuous.base.documents import result_of, written
+from sinuous.base.checks import Floats, written
+from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError, SuspiciousInput, counted
 from sinuous.base.progress import ProgressBar
 from sinuous.cli.app import Plan, Solve, Track
@@ -393,7 +393,7 @@ def _answer_all(
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     robots = {problem.file: problem.robot for problem in problems}
-    for file, robot in robots.items():
+    for file, robot in robots.items() if output.columns is not None else ():
         with checks.in_file(file):
             checks.names_of("--columns", names_in(output.columns), column_names(robot))
     with _journal(problems, asked, typed) as journal, remembered(solving.memory, robots) as memory:

@@ -23,7 +23,8 @@ from typing import Any, NoReturn, TypeVar
 import yaml
 
 from sinuous.base import checks
-from sinuous.base.documents import readable, result_value
+from sinuous.base.checks import readable
+from sinuous.base.documents import result_value
 from sinuous.base.errors import InputError, shown
 from sinuous.base.text_tables import NUMBERS
 

@@ -28,8 +28,8 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import JointsAndBatch, Whole
-from sinuous.base.checks import Floats, closed
-from sinuous.base.documents import write_xml, written
+from sinuous.base.checks import Floats, closed, written
+from sinuous.base.documents import write_xml
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.packing import BendLine

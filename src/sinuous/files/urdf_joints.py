@@ -16,8 +16,7 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number
-from sinuous.base.checks import Floats
-from sinuous.base.documents import readable
+from sinuous.base.checks import Floats, readable
 from sinuous.base.errors import InputError, counted, number, suggested
 from sinuous.files import link_capsules
 from sinuous.files.link_capsules import Shape

@@ -92,8 +92,6 @@ class Actuation(Frozen):
         What of a configuration can move.
     actuators : tuple of Actuator
         Segment by segment, tendons before chambers before the stage, then `linear`.
-    motors : Motors
-        How displacements become values.
     before : int
         Rows of joints and links before the segments.
     elastic : Elastic or None
@@ -112,7 +110,6 @@ class Actuation(Frozen):
     """
 
     actuators: tuple[Actuator, ...]
-    motors: Motors
     coordinates: Coordinates
     elastic: Elastic | None
     limits: Floats
@@ -145,9 +142,7 @@ class Actuation(Frozen):
         }
         for array in arrays.values():
             array.flags.writeable = False
-        gain, offset = (np.array([getattr(each, key) for each in listed], np.float64) for key in ("gain", "offset"))
-        motors = Motors(gain, offset, tuple(each.unit for each in listed))
-        self._set(actuators=listed, motors=motors, before=before, **arrays)
+        self._set(actuators=listed, before=before, **arrays)
         stretching = list(_elastic(segments))
         rigid = np.array(self.limits)
         rigid[[place for place, _, _ in stretching]] = UNLIMITED
@@ -157,6 +152,13 @@ class Actuation(Frozen):
 
     def __len__(self) -> int:
         return len(self.actuators)
+
+    @cached_property
+    def motors(self) -> Motors:
+        """How displacements become values."""
+        listed = self.actuators
+        gain, offset = (np.array([getattr(each, key) for each in listed], np.float64) for key in ("gain", "offset"))
+        return Motors(gain, offset, tuple(each.unit for each in listed))
 
     @property
     def linear_scales(self) -> Floats:
@@ -187,7 +189,7 @@ class Actuation(Frozen):
 
     def in_words(self, values: Mapping[str, float]) -> str:
         """Values of the motors by name, with their units, on one line; two spaces between them."""
-        units = dict(zip((each.name for each in self.actuators), self.motors.unit, strict=True))
+        units = {each.name: each.unit for each in self.actuators}
         said = ((name, value, units[name]) for name, value in values.items())
         return "  ".join(f"{name}={value:.4g}" + (f" {unit}" if unit else "") for name, value, unit in said)
 

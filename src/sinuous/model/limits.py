@@ -11,7 +11,6 @@ The shape nearest to another one within linear bounds is found by least distance
 import math
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,39 +75,6 @@ MOST_CUTS = 100
 
 CUT_INSET = 0.1
 """How far within a limit it is brought, as a share of what rounding may exceed it by."""
-
-ROUND = 1e-9
-"""By how much the largest curvature is less than 1 / radius, relative to it: there, half a circle touches itself."""
-
-
-def curvature_limits(segments: Sequence[Segment], radii: Sequence[float], avoids_itself: bool) -> tuple[float, ...]:
-    """Largest curvature of every segment: its own limit and, where it must not run through itself, 1 / radius."""
-    return tuple(
-        min(segment.max_curvature, (1.0 - ROUND) / radius) if avoids_itself and radius > 0.0 else segment.max_curvature
-        for segment, radius in zip(segments, radii, strict=True)
-    )
-
-
-def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: Sequence[float]) -> list[str]:
-    """Say which segments may bend less than their own limits allow, because they are too thick; one line a kind.
-
-    It is said for their least length, for one that may vanish for its largest: near 0, curvature always limits a bend.
-    """
-    notes, first = [], 1
-    for (segment, radius, curvature), group in groupby(zip(segments, radii, curvatures, strict=True)):
-        last = first + len(list(group)) - 1
-        length = segment.length[0] or segment.length[1]
-        own, allowed = min(segment.max_bend, segment.max_curvature * length), curvature * length
-        if allowed < own * (1.0 - 2.0 * ROUND):
-            half = "" if radius == segment.radius else ", with half of the demanded clearance from itself,"
-            which = f"segment {first}" if first == last else f"segments {first} to {last}"
-            notes.append(
-                f"{which}: a radius of {radius:g}{half} is above the smallest radius of curvature, {length / own:.4g}; "
-                f"while self_collision is avoided, the bend at length {length:g} is at most {allowed:.4g}"
-            )
-        first = last + 1
-    return notes
-
 
 Violation = tuple[LimitKind, Any, float]
 """A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated.

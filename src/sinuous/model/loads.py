@@ -98,7 +98,7 @@ def load_list(key: str, loads: Any, names: Sequence[str]) -> tuple[Load, ...]:
 
 def payload_list(payload: Any, names: Sequence[str]) -> tuple[Payload, ...]:
     """Check what a robot with segments of these names carries."""
-    listed = load_list("payload", () if payload is None else payload, names)
+    listed = load_list("payload", payload, names)
     for i, each in enumerate(listed):
         checks.instance(f"payload[{i}]", each, Payload, "a Payload")
     return tuple(each for each in listed if isinstance(each, Payload))

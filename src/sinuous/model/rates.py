@@ -183,7 +183,7 @@ class Rates(_Bounds):
         if self.acceleration is None and not np.isfinite(own).any():
             return None
         with checks.inside("acceleration"):
-            return (self.acceleration or Rates())._spread(robot, own)
+            return (self.acceleration or UNLIMITED)._spread(robot, own)
 
 
 def _most(key: str, value: Any) -> Kept:
@@ -223,3 +223,7 @@ def _spread(key: str, value: Kept, names: Sequence[str]) -> Floats:
     if len(value) != len(names):
         raise InputError(key, "", value.tolist(), f"one number, or {len(names)}")
     return value
+
+
+UNLIMITED = Rates()
+"""Rates without any limit."""

@@ -27,7 +27,7 @@ from sinuous.base.arguments import (
 )
 from sinuous.base.checks import MOST_SEGMENTS, Floats, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.base.documents import counted, described, write_document
-from sinuous.base.entrance import Renamed, door
+from sinuous.base.entrance import door
 from sinuous.base.errors import InputError, answers_attributes, listed, number
 from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.kernels import packing, tables
@@ -46,14 +46,14 @@ from sinuous.model.joints import (
     joint_names,
     mean_reach,
     on_rows,
+    overlap_notes,
     rigid_rows,
     with_links,
 )
-from sinuous.model.limits import LimitSet, Violation, curvature_limits, held_back
-from sinuous.model.link_overlaps import overlap_notes
+from sinuous.model.limits import LimitSet, Violation
 from sinuous.model.loads import Load, Loads, Payload, load_list, payload_list
 from sinuous.model.poses import as_pose
-from sinuous.model.segment import Locked, Segment, Stiffness, segment_names, straight
+from sinuous.model.segment import Locked, Segment, Stiffness, curvature_limits, held_back, segment_names, straight
 
 
 class Uncertainty(Frozen):
@@ -266,7 +266,7 @@ class Robot(NotebookMixin, Frozen):
         if given_joints:
             kinds = ("joints", joint_names(given_joints)), ("segments", names)
             refuse_repeated((f"{kind}[{k}].name", each) for kind, all_of in kinds for k, each in enumerate(all_of))
-        carried = payload_list(payload, names)
+        carried = () if payload is None else payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
         checks.instance("actuators", actuators, Actuators | None, "Actuators or nothing")
         radii = tuple(segment.radius for segment in chain)
@@ -454,9 +454,6 @@ class Robot(NotebookMixin, Frozen):
         if self.has_external_load:
             wanted = "none: take robot.changed(gravity=None, payload=None) for the robot without load"
             raise InputError("gravity", "this is computed without loads", self.gravity, wanted)
-
-    hangs, least_demanded = Renamed("has_external_load"), Renamed("_least_clearances")
-    demands, refuse_load = Renamed("_demands_clearance"), Renamed("_refuse_load")
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any, ClassVar, TypedDict, Unpack
 
 import numpy as np
@@ -346,6 +347,39 @@ def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:
     """Names of all segments; by default `s1`, `s2`, ... from base to tip, without counting joints and links."""
     before = sum(segment.rigid for segment in segments)
     return tuple(segment.name or f"s{k + 1 - before}" for k, segment in enumerate(segments))
+
+
+ROUND = 1e-9
+"""By how much the largest curvature is less than 1 / radius, relative to it: there, half a circle touches itself."""
+
+
+def curvature_limits(segments: Sequence[Segment], radii: Sequence[float], avoids_itself: bool) -> tuple[float, ...]:
+    """Largest curvature of every segment: its own limit and, where it must not run through itself, 1 / radius."""
+    return tuple(
+        min(segment.max_curvature, (1.0 - ROUND) / radius) if avoids_itself and radius > 0.0 else segment.max_curvature
+        for segment, radius in zip(segments, radii, strict=True)
+    )
+
+
+def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: Sequence[float]) -> list[str]:
+    """Say which segments may bend less than their own limits allow, because they are too thick; one line a kind.
+
+    It is said for their least length, for one that may vanish for its largest: near 0, curvature always limits a bend.
+    """
+    notes, first = [], 1
+    for (segment, radius, curvature), group in groupby(zip(segments, radii, curvatures, strict=True)):
+        last = first + len(list(group)) - 1
+        length = segment.length[0] or segment.length[1]
+        own, allowed = min(segment.max_bend, segment.max_curvature * length), curvature * length
+        if allowed < own * (1.0 - 2.0 * ROUND):
+            half = "" if radius == segment.radius else ", with half of the demanded clearance from itself,"
+            which = f"segment {first}" if first == last else f"segments {first} to {last}"
+            notes.append(
+                f"{which}: a radius of {radius:g}{half} is above the smallest radius of curvature, {length / own:.4g}; "
+                f"while self_collision is avoided, the bend at length {length:g} is at most {allowed:.4g}"
+            )
+        first = last + 1
+    return notes
 
 
 def from_arc_parameters(curvature: Number | Stack, plane_angle: Number | Stack, length: Number | Stack) -> Floats:

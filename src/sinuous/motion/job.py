@@ -13,9 +13,16 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, text
 from sinuous.base.progress import gc_paused
 from sinuous.files.documents import read_results, read_values
-from sinuous.files.nouns import known_entries, read_place, read_robot, read_scene
-from sinuous.files.problem_file import QUESTIONS, problem_arguments, read_waypoints
-from sinuous.model.rates import Rates
+from sinuous.files.nouns import (
+    QUESTIONS,
+    known_entries,
+    problem_arguments,
+    read_place,
+    read_robot,
+    read_scene,
+    read_waypoints,
+)
+from sinuous.model.rates import UNLIMITED, Rates
 from sinuous.model.robot import Robot, demanding
 from sinuous.motion import report
 from sinuous.motion.motion import Motion
@@ -134,7 +141,7 @@ class Job(Frozen):
             tolerance=as_tolerance(tolerance),
             start=None if start is None else robot._one_configuration("start", start),
             prefer=prefer or Preferences(),
-            rates=Rates() if rates is None else rates,
+            rates=UNLIMITED if rates is None else rates,
             reconfigure=checks.choice("reconfigure", reconfigure, report.RECONFIGURE),
             workspace=Workspace() if workspace is None else workspace,
             file=file,

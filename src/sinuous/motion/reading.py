@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats, motor_columns
-from sinuous.base.documents import readable
+from sinuous.base.checks import Floats, motor_columns, readable
 from sinuous.base.errors import InputError, suggested
 from sinuous.base.text_tables import read_table
 from sinuous.files.documents import read_text, read_values

@@ -11,8 +11,8 @@ from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import chosen_columns
 from sinuous.base import checks
 from sinuous.base.arguments import Whole
-from sinuous.base.checks import Floats
-from sinuous.base.documents import readable, write_archive, write_table
+from sinuous.base.checks import Floats, readable
+from sinuous.base.documents import write_archive, write_table
 from sinuous.base.errors import InputError
 from sinuous.files.joint_chain import Of, joint_map, joint_trajectory, write_json
 from sinuous.model.robot import Robot

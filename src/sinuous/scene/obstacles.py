@@ -15,8 +15,8 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Truth, Vector
-from sinuous.base.checks import Floats
-from sinuous.base.documents import plain, pose_arguments, readable
+from sinuous.base.checks import Floats, readable
+from sinuous.base.documents import plain, pose_arguments
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.kernels.packing import primitive_row, primitive_rows

@@ -37,8 +37,8 @@ from sinuous.solver.polylines import respaced
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passages
 from sinuous.solver.routing.candidates import RouteCandidate, RouteCandidates, starts_along
-from sinuous.solver.routing.partial_chains import FIRST_WIDTH, LAST_WIDTH, segments_in
-from sinuous.solver.routing.roots import Root, Roots, leading_rows
+from sinuous.solver.routing.partial_chains import FIRST_WIDTH, LAST_WIDTH, leading_rows, segments_in
+from sinuous.solver.routing.roots import Root, Roots
 from sinuous.solver.routing.searches import CELLS, Searches, SearchPlan
 from sinuous.solver.shapes import NEAREST
 

@@ -13,8 +13,8 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.tables import POSE_POSITION
 from sinuous.measures.obstacles import measure
 from sinuous.problem.problem import Problem
-from sinuous.solver.routing.partial_chains import end_pose, segments_in
-from sinuous.solver.routing.roots import Roots, leading_rows
+from sinuous.solver.routing.partial_chains import end_pose, leading_rows, segments_in
+from sinuous.solver.routing.roots import Roots
 from sinuous.solver.routing.searches import Searches
 
 SEGMENTS = [sn.Segment(0.3, 2.0, radius=0.02)] * 3

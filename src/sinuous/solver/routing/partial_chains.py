@@ -271,6 +271,24 @@ def segments_in(robot: Floats) -> Floats:
     return robot_parts(robot).segments
 
 
+LONG = 2.0
+"""From how many lengths of a segment on a stage makes it a choice where the robot begins to bend."""
+
+
+def leading_rows(segments: Floats) -> int:
+    """Return how many rows (n, 35) lead to the first segment that bends; 0 where it is no choice where that begins.
+
+    It is one where there are joints, or a stage that is long beside the segments.
+    """
+    straight = (segments[:, t.RIGID] != 0.0) | (segments[:, t.MAX_BEND] == 0.0)
+    count = int(straight.argmin())
+    lead, rest = segments[:count], segments[count:]
+    rigid = lead[:, t.RIGID] != 0.0
+    joints = bool(lead[rigid][:, [t.BEND_SCALE, t.LENGTH_SCALE]].any())
+    stroke = (lead[~rigid, t.MAX_LENGTH] - lead[~rigid, t.MIN_LENGTH]).sum()
+    return count if joints or stroke > LONG * rest[:, t.MAX_LENGTH].mean() else 0
+
+
 def base_position(groups: Groups) -> Floats:
     """Where the backbone begins (3,)."""
     return robot_parts(groups[0]).base[t.POSE_POSITION :]

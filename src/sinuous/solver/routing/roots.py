@@ -28,6 +28,7 @@ from sinuous.solver.routing.partial_chains import (
     GrownChains,
     end_pose,
     first_segments,
+    leading_rows,
     problem_beyond,
     problem_from_pose,
     reverse_chain,
@@ -38,9 +39,6 @@ from sinuous.solver.routing.partial_chains import (
 )
 from sinuous.solver.routing.searches import Searches
 from sinuous.solver.routing.tubes import find_tube_around
-
-LONG = 2.0
-"""From how many lengths of a segment on a stage makes it a choice where the robot begins to bend."""
 
 MOST_ROOTS = 64
 """Most roots of one solve."""
@@ -126,20 +124,6 @@ def _tangent(line: Floats, i: int) -> Floats:
     """Unit tangent (3,) of a line (K, 3) at one of its points; zero where it has none."""
     along = line[min(i + BEFORE, len(line) - 1)] - line[max(i - BEFORE, 0)]
     return np.asarray(along / max(1e-12, float(np.linalg.norm(along))))
-
-
-def leading_rows(segments: Floats) -> int:
-    """Return how many rows (n, 35) lead to the first segment that bends; 0 where it is no choice where that begins.
-
-    It is one where there are joints, or a stage that is long beside the segments.
-    """
-    straight = (segments[:, t.RIGID] != 0.0) | (segments[:, t.MAX_BEND] == 0.0)
-    count = int(straight.argmin())
-    lead, rest = segments[:count], segments[count:]
-    rigid = lead[:, t.RIGID] != 0.0
-    joints = bool(lead[rigid][:, [t.BEND_SCALE, t.LENGTH_SCALE]].any())
-    stroke = (lead[~rigid, t.MAX_LENGTH] - lead[~rigid, t.MIN_LENGTH]).sum()
-    return count if joints or stroke > LONG * rest[:, t.MAX_LENGTH].mean() else 0
 
 
 class Roots:

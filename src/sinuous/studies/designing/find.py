@@ -21,8 +21,7 @@ from sinuous.base.arguments import Number, Whole
 from sinuous.base.errors import InputError
 from sinuous.base.progress import ProgressBar
 from sinuous.files.documents import read_values
-from sinuous.files.nouns import known_entries
-from sinuous.files.problem_file import read_question
+from sinuous.files.nouns import known_entries, read_question
 from sinuous.model.robot import Robot
 from sinuous.motion.job import Job, job_of
 from sinuous.scene.scene import SceneLike, as_scene

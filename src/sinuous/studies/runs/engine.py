@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sinuous
-from sinuous.base.documents import draft_of, written
+from sinuous.base.checks import written
+from sinuous.base.documents import draft_of
 from sinuous.base.errors import InputError, UnfinishedError
 from sinuous.kernels.compile import sources_hash
 from sinuous.model.robot import Robot

@@ -13,7 +13,7 @@ from sinuous.base.arguments import Number, Rows
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.frozen import Frozen
-from sinuous.files.problem_file import read_waypoints
+from sinuous.files.nouns import read_waypoints
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import plan

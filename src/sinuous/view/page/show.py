@@ -19,8 +19,7 @@ from viser import ViserServer
 
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
-from sinuous.base.checks import Floats
-from sinuous.base.documents import written
+from sinuous.base.checks import Floats, written
 from sinuous.base.errors import InputError
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle

@@ -11,8 +11,7 @@ import numpy as np
 
 from sinuous.answer.solution import Solution
 from sinuous.base import checks
-from sinuous.base.checks import Floats
-from sinuous.base.documents import written
+from sinuous.base.checks import Floats, written
 from sinuous.base.errors import InputError
 from sinuous.methods.method import options_of
 from sinuous.motion.motion import Motion

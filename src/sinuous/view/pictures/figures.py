@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats
-from sinuous.base.documents import written
+from sinuous.base.checks import Floats, written
 from sinuous.base.errors import InputError
 from sinuous.view.display import style
 from sinuous.view.display.bounds import Bounds, bounds_of, direction_of

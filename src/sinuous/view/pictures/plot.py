@@ -8,8 +8,7 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Whole
-from sinuous.base.checks import Floats
-from sinuous.base.documents import written
+from sinuous.base.checks import Floats, written
 from sinuous.base.errors import InputError
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle

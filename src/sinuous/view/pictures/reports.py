@@ -11,7 +11,7 @@ import numpy as np
 from sinuous.answer.explanation import Explanation
 from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
-from sinuous.base.documents import written
+from sinuous.base.checks import written
 from sinuous.base.errors import duration, listed, span
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion

@@ -8,8 +8,7 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Vector
-from sinuous.base.checks import Floats
-from sinuous.base.documents import written
+from sinuous.base.checks import Floats, written
 from sinuous.model.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.studies.workspace.reach import Reach, Truths, Verdict

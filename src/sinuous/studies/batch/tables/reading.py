@@ -17,8 +17,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats
-from sinuous.base.documents import readable
+from sinuous.base.checks import Floats, readable
 from sinuous.base.errors import InputError, refuse_unknown
 from sinuous.base.text_tables import SAMPLED, axis_of, begins_with_count, filled_lines, tell_format
 from sinuous.model.poses import any_rotations

@@ -32,31 +32,17 @@ def _called(solver: Solver, initial: Any, unsolved: str, lead: bool, goals: Goal
     return q.astype(kind), change.astype(kind)
 
 
-def _answering(solver: Solver, initial: Any, unsolved: str, lead: bool) -> Any:
-    """Return a function of goals with a derivative of its own."""
-
-    def answer(goals: Goals) -> tuple[Any, Any]:
-        front = lead_of(*(goals.get(key) for key in ("positions", "directions", "rotations")))
-        n, kind = len(solver.robot), next(iter(goals.values())).dtype
-        shapes = tuple(jax.ShapeDtypeStruct((*front, n, 3, *more), kind) for more in ((), (3 * len(goals),)))
-        called = partial(_called, solver, initial, unsolved, lead)
-        return jax.pure_callback(called, shapes, goals, vmap_method="broadcast_all")
-
-    @jax.custom_jvp
-    def configurations(goals: Goals) -> Any:
-        return answer(goals)[0]
-
-    @configurations.defjvp
-    def _moved(primals: Any, tangents: Any) -> tuple[Any, Any]:
-        q, change = answer(primals[0])
-        ways = jnp.concatenate(_ways(primals[0], tangents[0]), axis=-1)
-        return q, jnp.einsum("...kcp,...p->...kc", change, ways)
-
-    return configurations
+def _answered(solver: Solver, initial: Any, unsolved: str, lead: bool, goals: Goals) -> tuple[Any, Any]:
+    """Configurations and derivatives as constants of a trace."""
+    front = lead_of(*(goals.get(key) for key in ("positions", "directions", "rotations")))
+    n, kind = len(solver.robot), next(iter(goals.values())).dtype
+    shapes = tuple(jax.ShapeDtypeStruct((*front, n, 3, *more), kind) for more in ((), (3 * len(goals),)))
+    called = partial(_called, solver, initial, unsolved, lead)
+    return jax.pure_callback(called, shapes, goals, vmap_method="broadcast_all")
 
 
 def _ways(goals: Goals, tangents: Goals) -> list[Any]:
-    """Motions of positions (..., 3), and small rotations (..., 3) of directions or rotations."""
+    """Motions of positions (..., 3), and small rotations (..., 3) of directions or rotations, for small changes."""
     parts = [tangents["positions"]] if "positions" in goals else []
     if "directions" in goals:
         own = goals["directions"]
@@ -114,4 +100,7 @@ def solve(
     lead_of(positions, directions, rotations)
     given = {"positions": positions, "directions": directions, "rotations": rotations}
     goals = {key: jnp.asarray(value) for key, value in given.items() if value is not None}
-    return _answering(solver, initial, check_unsolved(unsolved), lead)(goals)
+    held = jax.lax.stop_gradient(goals)
+    q, change = _answered(solver, initial, check_unsolved(unsolved), lead, held)
+    moves = jnp.concatenate(_ways(held, {key: goals[key] - held[key] for key in goals}), axis=-1)
+    return q + jnp.einsum("...kcp,...p->...kc", change, moves)

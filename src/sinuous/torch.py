@@ -3,6 +3,7 @@
 Tried with PyTorch 2.13. It needs the extra `torch`; nothing else of the package imports it.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from sinuous.solver.solver import Solver
 
 
 class _Solve(torch.autograd.Function):
-    """Solve goals; the second output holds derivatives, so that gradients of batches are plain algebra."""
+    """Solve goals. Nothing flows through it: derivatives are its second output, and `solve` multiplies by them."""
 
     generate_vmap_rule = False
 
@@ -45,49 +46,8 @@ class _Solve(torch.autograd.Function):
 
     @staticmethod
     def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
-        """Keep what gradients need."""
-        positions, directions, rotations, *_ = inputs
-        _, change = output
-        ctx.mark_non_differentiable(change)
-        ctx.placed = positions is not None
-        ctx.kind = "directions" if directions is not None else "rotations" if rotations is not None else None
-        turned = directions if directions is not None else rotations
-        kept = change if turned is None else turned
-        ctx.save_for_backward(change, kept)
-        ctx.save_for_forward(change, kept)
-
-    @staticmethod
-    def backward(ctx: Any, *cotangents: Tensor) -> Any:
-        """Gradients by positions, directions, rotations."""
-        change, turned = ctx.saved_tensors
-        whole = torch.einsum("...kc,...kcp->...p", cotangents[0], change)
-        first = whole[..., :3] if ctx.placed else None
-        if ctx.kind is None:
-            return first, None, None, None, None, None, None
-        omega = whole[..., -3:]
-        if ctx.kind == "directions":
-            size = torch.linalg.vector_norm(turned, dim=-1, keepdim=True)
-            return first, torch.linalg.cross(omega, turned) / size**2, None, None, None, None, None
-        columns = torch.linalg.cross(omega[..., None, :].expand(turned.shape), turned.transpose(-1, -2))
-        return first, None, 0.5 * columns.transpose(-1, -2), None, None, None, None
-
-    @staticmethod
-    def jvp(ctx: Any, *tangents: Tensor | None) -> Any:
-        """Motion of the configurations for tangents of positions, directions, rotations."""
-        change, turned = ctx.saved_tensors
-        positions, directions, rotations, *_ = tangents
-        parts = []
-        if ctx.placed:
-            parts.append(change.new_zeros((*change.shape[:-3], 3)) if positions is None else positions)
-        if ctx.kind == "directions":
-            size = torch.linalg.vector_norm(turned, dim=-1, keepdim=True)
-            own = torch.zeros_like(turned) if directions is None else directions
-            parts.append(torch.linalg.cross(turned, own) / size**2)
-        elif ctx.kind == "rotations":
-            own = torch.zeros_like(turned) if rotations is None else rotations
-            axes = torch.linalg.cross(turned.transpose(-1, -2), own.transpose(-1, -2))
-            parts.append(0.5 * axes.sum(dim=-2))
-        return torch.einsum("...kcp,...p->...kc", change, torch.cat(parts, dim=-1)), None
+        """Keep gradients out."""
+        ctx.mark_non_differentiable(*output)
 
     @staticmethod
     def vmap(info: Any, in_dims: Any, *inputs: Any) -> Any:
@@ -154,5 +114,21 @@ def solve(
         When a goal is not solved.
     """
     lead_of(positions, directions, rotations)
-    q, _ = _Solve.apply(positions, directions, rotations, solver, initial, check_unsolved(unsolved), lead)
-    return q
+    given = positions, directions, rotations
+    held = [None if each is None else each.detach() for each in given]
+    q, change = _Solve.apply(*held, solver, initial, check_unsolved(unsolved), lead)
+    return q + torch.einsum("...kcp,...p->...kc", change, _moves(given, held))
+
+
+def _moves(given: Sequence[Tensor | None], held: Sequence[Tensor | None]) -> Tensor:
+    """Small motions (..., p) of goals away from where they are held: zero, with the derivatives that goals have."""
+    (positions, directions, rotations), (place, along, turned), parts = given, held, []
+    if positions is not None:
+        parts.append(positions - place)
+    if directions is not None and along is not None:
+        size = torch.linalg.vector_norm(along, dim=-1, keepdim=True)
+        parts.append(torch.linalg.cross(along, directions - along) / size**2)
+    if rotations is not None and turned is not None:
+        axes = torch.linalg.cross(turned.transpose(-1, -2), (rotations - turned).transpose(-1, -2))
+        parts.append(0.5 * axes.sum(dim=-2))
+    return torch.cat(parts, dim=-1)

@@ -314,13 +314,8 @@ class Snapshot(Surroundings, Frozen):
         still = {i: _still(self._obstacles[i]) for i in others}
         return {i: own for i, own in still.items() if not isinstance(own, Primitive)}
 
-    def replaced(
-        self, index: int, obstacle: Obstacle, part: Part | None = None, group: Floats | None = None
-    ) -> "Snapshot":
-        """Return a snapshot with another obstacle in the place of one.
-
-        `part` is what kernels read of it, and `group` what they read of the whole scene then, where that is known.
-        """
+    def replaced(self, index: int, obstacle: Obstacle, part: Part | None = None) -> "Snapshot":
+        """Return a snapshot with another obstacle in the place of one; `part` is what kernels read of it, if known."""
         changed = (*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :])
         if self._parts is None:
             snapshot = Snapshot(changed)
@@ -330,7 +325,7 @@ class Snapshot(Surroundings, Frozen):
             part = prepare(obstacle, "", None, 1 if isinstance(obstacle, Primitive) else len(self._stored))
         known, own = self._parts, part
         snapshot = Snapshot(changed, [*known[:index], own, *known[index + 1 :]])
-        snapshot._set(_group=self._group_with(index, known[index], own) if group is None else group)
+        snapshot._set(_group=self._group_with(index, known[index], own))
         if obstacle.name == self._obstacles[index].name:
             snapshot._set(_named=self._named)
         if not isinstance(obstacle, Moving) and self._moves is False:
@@ -463,43 +458,3 @@ def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = Fals
 def room_at(place: Floats, scene: Snapshot) -> NearestPoint:
     """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it."""
     return least_gap(place[None], np.zeros(1), scene, True)
-
-
-class Mover:
-    """Makes snapshots of a scene in which one obstacle is elsewhere.
-
-    Two arrays take turns: a move writes one row of one of them, and copies nothing that is prepared of meshes. So
-    solves may use only the two latest snapshots, because the arrays of older ones have changed since. This is for
-    callers that need the latest one alone, as while an obstacle is dragged by hand.
-
-    Parameters
-    ----------
-    snapshot : Snapshot
-    index : int
-        Of the obstacle, which is exact.
-    """
-
-    def __init__(self, snapshot: Snapshot, index: int) -> None:
-        self._index = index
-        self._begin(snapshot)
-
-    def _begin(self, snapshot: Snapshot) -> None:
-        snapshot.prepare()
-        self._latest = snapshot
-        self._arrays: list[Floats] = [np.array(without_cells(snapshot._kernel_group)) for _ in range(2)]
-
-    def goes_on(self, snapshot: Snapshot, index: int) -> bool:
-        """Whether this is the latest snapshot and the obstacle that moves."""
-        return self._latest is snapshot and self._index == index
-
-    def moved(self, obstacle: Primitive) -> Snapshot:
-        """Return the scene with this in the place of the obstacle."""
-        array = self._arrays.pop(0)
-        rows, store = packing.scene_parts(array)
-        rows[self._index] = obstacle.row
-        if len(rows) >= t.MANY_OBSTACLES and not refit(rows, store, self._index, Part(obstacle.row, NOTHING).box):
-            self._begin(self._latest.replaced(self._index, obstacle))
-            return self._latest
-        self._arrays.append(array)
-        self._latest = self._latest.replaced(self._index, obstacle, group=array)
-        return self._latest

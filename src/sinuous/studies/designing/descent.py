@@ -6,6 +6,7 @@ linear program of these rows for all tasks at once, in a box of changes that gro
 and proved as any other robot.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -187,7 +188,7 @@ class _Steps:
         for task, q in zip(tasks, self._answers, strict=True):
             problem = Problem(self._robot, task.targets, judge.scene)
             self._equal.append(self._of_targets(problem, q))
-            parts = [self._of_limits(q), *self._of_contacts(problem, q), *self._of_bends(q), *self._of_actuators(q)]
+            parts = [self._of_limits(q), *self._of_contacts(problem, q), *self._of_objectives(q)]
             self._most.append(self._all(parts))
 
     def step(self, most: float, which: int) -> _Step | None:
@@ -278,44 +279,27 @@ class _Steps:
             listed.append(self._rows(fields, -rows, left, "clearance"))
         return listed
 
-    def _of_bends(self, q: Floats) -> list[_Rows]:
-        """Rows of what every answer, or the robot, has of the other objectives."""
+    def _of_objectives(self, q: Floats) -> list[_Rows]:
+        """Rows of what an answer, or the robot, has of the objectives but clearance."""
         listed = []
-        if "bend" in self._judge.minimise:
-            sizes = np.hypot(q[:, 0], q[:, 1])
-            slopes = np.zeros((len(q), *q.shape))
-            np.einsum("kkc->kc", slopes)[:, :2] = q[:, :2] / np.maximum(sizes, HALF_STEP)[:, None]
-            listed.append(self._rows(np.zeros((len(q), len(self._shares))), slopes.reshape(len(q), -1), -sizes, "bend"))
-        if "length" in self._judge.minimise:
-            change = self._by_fields(lambda robot, _: np.array([of_robot("length", robot)]))
-            whole = np.array([of_robot("length", self._robot)])
-            listed.append(self._rows(change, np.zeros((1, q.size)), -whole, "length"))
-        return listed
-
-    def _of_actuators(self, q: Floats) -> list[_Rows]:
-        """Rows of the tensions of an answer, and of the values of its actuators and of those of the straight robot."""
-        listed = []
-        if "tension" in self._judge.minimise:
-            listed.append(self._both(*self._of_lines(_tensions, q), name="tension"))
-        if "travel" in self._judge.minimise:
-            value, slopes, change = self._of_lines(_values, q)
-            m, o = len(value), len(self._values)
+        for name, of in MEASURED.items():
+            if name in self._judge.minimise:
+                value, slopes, change = self._by_answer(of, q)
+                listed.append(self._rows(change, slopes, -value, name))
+        if "travel" in self._judge.minimise:  # between the largest and the least value of each actuator of all answers
+            value, slopes, change = self._by_answer(_values, q)
+            m, o = len(value) // 2, len(self._values)
             largest, least = np.eye(m, self._shared, o), np.eye(m, self._shared, o + m)
             ends = np.concatenate([largest, -least])
-            listed.append(self._both(value, slopes, change, shared=ends))
+            listed.append(self._rows(change, slopes, -value, shared=ends))
             rest = _values(self._robot, self._robot.straight[None])[0]
             change = self._by_fields(lambda robot, _: _values(robot, robot.straight[None])[0])
-            listed.append(self._both(rest, 0.0 * slopes, change, shared=ends))
-            listed.append(self._rows(0.0 * change, 0.0 * slopes, np.zeros(m), "travel", least - largest))
+            listed.append(self._rows(change, 0.0 * slopes, -rest, shared=ends))
+            listed.append(self._rows(0.0 * change[:m], 0.0 * slopes[:m], np.zeros(m), "travel", least - largest))
         return listed
 
-    def _both(self, value: Floats, own: Floats, fields: Floats, **bound: Any) -> _Rows:
-        """Rows of values (m,) that have a bound to both sides."""
-        fields, own, left = (np.concatenate([each, -each]) for each in (fields, own, -value))
-        return self._rows(fields, own, left, **bound)
-
-    def _of_lines(self, of: Any, q: Floats) -> tuple[Floats, Floats, Floats]:
-        """What `of` says of all actuators (m,), and its derivatives (m, 3 n) by the answer and (m, d) by the shares."""
+    def _by_answer(self, of: Any, q: Floats) -> tuple[Floats, Floats, Floats]:
+        """What `of` says (m,) of an answer, and its derivatives (m, 3 n) by the answer and (m, d) by the shares."""
         steps = HALF_STEP * np.where(self._scale > 0.0, self._scale, 1.0)
         places = q + np.concatenate([np.diag(steps), -np.diag(steps)]).reshape(-1, *q.shape)
         above, below = np.split(of(self._robot, places), 2)
@@ -324,15 +308,27 @@ class _Steps:
 
 
 def _values(robot: Robot, q: Floats) -> Floats:
-    """Values (k, m) of all actuators in configurations (k, n, 3)."""
-    return robot.drive.values(q)
+    """Values (k, 2 m) of all actuators in configurations (k, n, 3), and with the other sign."""
+    return _both_signs(robot.drive.values(q))
 
 
 def _tensions(robot: Robot, q: Floats) -> Floats:
-    """Tensions (k, m) of all elastic actuators in configurations (k, n, 3)."""
+    """Tensions (k, 2 m) of all elastic actuators in configurations (k, n, 3), and with the other sign."""
     elastic = robot.drive.elastic
     assert elastic is not None
-    return elastic.balance(q).tensions
+    return _both_signs(elastic.balance(q).tensions)
+
+
+def _both_signs(values: Floats) -> Floats:
+    return np.concatenate([values, -values], axis=1)
+
+
+MEASURED: dict[Objective, Callable[[Robot, Floats], Floats]] = {
+    "bend": lambda robot, q: np.hypot(q[..., 0], q[..., 1]),
+    "length": lambda robot, q: np.full((len(q), 1), of_robot("length", robot)),
+    "tension": _tensions,
+}
+"""Objectives that are the largest of what configurations (k, n, 3) of a robot have: (k, m)."""
 
 
 def _parameters(robot: Robot, other: Robot) -> Floats:

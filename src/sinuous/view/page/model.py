@@ -29,9 +29,9 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.pace import pace_motion
 from sinuous.motion.tables import write_motion
 from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
-from sinuous.scene.snapshot import Mover, Snapshot
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.options import TIME
 from sinuous.statics.equilibrium import under_load
 from sinuous.view.display.contents import middle_of
@@ -225,7 +225,6 @@ class PageModel:
         self.ghosts: list[Solution] = []
         self.explanation: Explanation | None = None
         self.grip: Floats | None = None
-        self._mover: Mover | None = None
         self.motion: Motion | None = None
         self.time = self.begin = 0.0
         self._there: tuple[Snapshot, float, Snapshot] | None = None
@@ -649,13 +648,7 @@ class PageModel:
 
     def _replace_obstacle(self, obstacle: Obstacle) -> None:
         assert self.grasped is not None
-        scene, index = self.scene, self.grasped
-        if scene.moves or not (isinstance(obstacle, Primitive) and isinstance(scene.obstacles[index], Primitive)):
-            self._change(scene=Scene.of(scene.replaced(index, obstacle)))
-            return
-        if self._mover is None or not self._mover.goes_on(scene, index):
-            self._mover = Mover(scene, index)
-        self._change(scene=Scene.of(self._mover.moved(obstacle)))
+        self._change(scene=Scene.of(self.scene.replaced(self.grasped, obstacle)))
 
     @property
     def folder(self) -> Path:

@@ -15,7 +15,6 @@ import typer
 
 from sinuous.base.errors import InputError
 from sinuous.cli.app import execute
-from sinuous.cli.options import check_writable
 
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
 for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -82,9 +81,7 @@ Out = Annotated[
 ]
 Seed = Annotated[int, typer.Option(help="Of all random problems.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
-Rounds = Annotated[int, typer.Option(help="How often all is measured; of wild, 100,000 fresh problems each.")]
-Against = Annotated[Path | None, typer.Option(metavar="BASELINE", help="Exit with 1 if anything is worse than there.")]
-Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
+Rounds = Annotated[int, typer.Option(help="Of wild, 100,000 fresh problems each.")]
 Record = Annotated[Path | None, typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt.")]
 Parts = Annotated[
     list[str] | None,
@@ -93,18 +90,13 @@ Parts = Annotated[
 Without = Annotated[str | None, typer.Option(metavar="NAME,NAME", help="Of clutter, attempts to switch off.")]
 
 
-@app.command(
-    epilog="Exit codes: 0 all claims held, 1 one did not or a figure is worse than the baseline, 2 bad input, "
-    "130 interrupted."
-)
+@app.command(epilog="Exit codes: 0 all claims held, 1 one did not, 2 bad input, 130 interrupted.")
 def run(
     name: Name,
     out: Out = None,
     seed: Seed = 0,
     quick: Quick = False,
     rounds: Rounds = 1,
-    against: Against = None,
-    save_baseline: Keep = None,
     record: Record = None,
     piece: Parts = None,
     without: Without = None,
@@ -117,18 +109,17 @@ def run(
     checks.integer("--rounds", rounds, 1, 100)
     if without is not None and name != "clutter":
         raise InputError("--without", "is for clutter", without, f"nothing with {name}")
-    if save_baseline is not None:
-        check_writable("--save-baseline", save_baseline)
-    from benchmarks.harness.conduct import Output, conduct, require  # noqa: PLC0415
+    if rounds > 1 and name != "wild":
+        raise InputError("--rounds", "is for wild", rounds, f"nothing with {name}")
+    from benchmarks.harness.conduct import conduct, require  # noqa: PLC0415
     from benchmarks.harness.experiment import Plan  # noqa: PLC0415
     from benchmarks.harness.parallel import ignore_suspicions  # noqa: PLC0415
 
     ignore_suspicions()
     require()
-    output = Output(out, against, save_baseline, whole=not piece, record=record)
     try:
         made = experiment(name, Plan(seed, quick, rounds), piece or (), () if without is None else without.split(","))
-        raise typer.Exit(conduct(made, output))
+        raise typer.Exit(conduct(made, out, record))
     except KeyboardInterrupt:
         typer.echo("benchmarks: interrupted before anything was measured", err=True)
         raise typer.Exit(INTERRUPTED) from None

@@ -37,9 +37,6 @@ WORST = "worst time"
 FIRST = "from robot and obstacles to the first answer, median"
 ALONE = "compared: newton from the single arc alone"
 
-NOISE = 2.0
-"""Of a worst time."""
-
 NARROW = 10e-3
 """Goal of the median where a pipe is 1.3 times as wide as the body, seconds."""
 
@@ -209,9 +206,9 @@ def lines_of(family: str, trials: list[Trial]) -> Iterator[Line]:
     local = _solved(arcs) >= 0.99 * len(arcs)
     fast = Goal(200e-6 if own.published else 100e-6 if local else NARROW if "1.3" in family else 5e-3)
     yield Line(MEDIAN, family, times.median, "us" if fast.value < 1e-3 else "ms", fast)
-    yield Line(TAIL, family, times.p95, "ms", Goal(50e-3), noise=NOISE)
-    yield Line(WORST, family, times.worst, "ms", Goal(LIMIT), noise=NOISE)
-    yield Line(FIRST, family, median(trial.prepare + trial.ours.first for trial in trials), "ms", noise=0.5)
+    yield Line(TAIL, family, times.p95, "ms", Goal(50e-3))
+    yield Line(WORST, family, times.worst, "ms", Goal(LIMIT))
+    yield Line(FIRST, family, median(trial.prepare + trial.ours.first for trial in trials), "ms")
     alone = Times.of([attempt.seconds for attempt in arcs])
     yield Line(ALONE, family, 100.0 * _solved(arcs) / len(arcs), "%", None, alone, (_solved(arcs), len(arcs)))
 

@@ -77,7 +77,7 @@ def fitted(name: str, plan: Plan) -> Iterator[Line]:
     began = perf_counter()
     own = sn.studies.calibrate(robot, rows.actuators, rows.measured, groups=groups)
     where = f"{name}, {len(groups)} rows, {own.drawn.mean_length:g} mm"
-    yield Line(where, "a fit that chooses its parameters", perf_counter() - began, "s", Goal(5.0), noise=1.0)
+    yield Line(where, "a fit that chooses its parameters", perf_counter() - began, "s", Goal(5.0))
     yield Line(where, "mean error of the tip, fitted rows", 100.0 * off(own.robot, rows).mean() / length, "%")
     yield Line(where, "mean error, rows held back by the fit", 100.0 * own.expected.mean / length, "%")
     errors, bounds, likes, some = [], [], [], []

@@ -87,8 +87,8 @@ def _times(page: Page, count: int, move: Callable[[float], None]) -> list[float]
 
 def _lines(what: str, seconds: list[float]) -> Iterator[Line]:
     times = Times.of(seconds)
-    yield Line(SECTION, f"{what}: event to new shape, median", times.median, "ms", Goal(5e-3), times, noise=0.5)
-    yield Line(SECTION, f"{what}: event to new shape, p99", times.p99, "ms", Goal(20e-3), times, noise=1.0)
+    yield Line(SECTION, f"{what}: event to new shape, median", times.median, "ms", Goal(5e-3), times)
+    yield Line(SECTION, f"{what}: event to new shape, p99", times.p99, "ms", Goal(20e-3), times)
 
 
 def files(_: Plan) -> Iterator[Line]:
@@ -105,7 +105,7 @@ def files(_: Plan) -> Iterator[Line]:
         began = time.perf_counter()
         sn.show(motion, path=file)
         seconds, size = time.perf_counter() - began, os.path.getsize(file)
-    yield Line(IN_FILES, "written in", seconds, "s", Goal(2.0), noise=0.5)
+    yield Line(IN_FILES, "written in", seconds, "s", Goal(2.0))
     yield Line(IN_FILES, "size", size / 1e6, "MB", Goal(5.0))
 
 

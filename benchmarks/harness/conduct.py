@@ -1,4 +1,4 @@
-"""The frame around every experiment: packages, journal, progress, interrupt, baseline, and where the results go."""
+"""The frame around every experiment: packages, journal, progress, interrupt, and where the results go."""
 
 import hashlib
 import json
@@ -11,9 +11,7 @@ from typing import Any
 
 import benchmarks
 import sinuous
-from benchmarks.harness.baseline import Comparison, compare, load, save
-from benchmarks.harness.experiment import Experiment, Findings, Piece, Report
-from benchmarks.harness.lines import Line
+from benchmarks.harness.experiment import Experiment, Piece, Report
 from benchmarks.harness.machine import describe
 from sinuous.base.errors import InputError
 from sinuous.files.documents import json_line
@@ -29,36 +27,8 @@ NEEDED = {
 }
 """Modules that a plain installation does not bring, and the packages that do."""
 
-DOUBTS = 2
-"""Times that pieces are measured again in which a figure seems worse than the baseline."""
-
 MOMENTARY = ("date", "sinuous", "casadi")
 """Facts of a machine that may change while an experiment goes on; the hash of the sources stands for the version."""
-
-
-@dataclass(frozen=True)
-class Output:
-    """What becomes of the results.
-
-    Attributes
-    ----------
-    folder : Path, optional
-        Of journal and results; default: `bench-` and the name of the experiment.
-    against : Path, optional
-        Baseline to compare with.
-    save_baseline : Path, optional
-        Where to keep the figures as a baseline.
-    whole : bool
-        Whether the experiment is measured with all of its parts, so that a figure of the baseline may not be missing.
-    record : Path, optional
-        Folder of pages of results (`docs/results`), in which to keep what was found.
-    """
-
-    folder: Path | None = None
-    against: Path | None = None
-    save_baseline: Path | None = None
-    whole: bool = True
-    record: Path | None = None
 
 
 NAME = "journal.jsonl"
@@ -166,43 +136,44 @@ def require() -> None:
         raise InputError("benchmarks", "not installed", missing, "the packages of pip install -e '.[bench]'")
 
 
-def conduct(experiment: Experiment, output: Output) -> int:
+def conduct(experiment: Experiment, folder: Path | None = None, record: Path | None = None) -> int:
     """Measure what the journal of the folder lacks, write the results, and print them.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    folder : Path, optional
+        Of journal and results; default: `bench-` and the name of the experiment.
+    record : Path, optional
+        Folder of pages of results (`docs/results`), in which to keep what was found.
 
     Returns
     -------
     int
-        Exit code: 0 when all claims and every goal of correctness held, whatever the speed, and nothing is worse than
-        the baseline; 1 when not; 130 when interrupted.
+        Exit code: 0 when all claims and every goal of correctness held, whatever the speed; 1 when not; 130 when
+        interrupted.
 
     Raises
     ------
     InputError
-        When the folder holds measurements under other settings, or the baseline does not fit.
+        When the folder holds measurements under other settings.
     """
-    folder = Path(f"bench-{experiment.name}") if output.folder is None else output.folder
+    folder = Path(f"bench-{experiment.name}") if folder is None else folder
     facts = describe()
-    before = None
-    if output.against is not None:  # refused before anything is measured where it does not fit
-        before = load(output.against, "--against", Report(experiment, facts, Findings()).to_dict())
     journal = Journal.open(folder, _settings(experiment, facts))
     work = list(experiment.pieces())
     try:
         _measure(experiment, work, journal)
-        comparison = None if before is None else _compare(experiment, journal, before, output)
         report = Report(experiment, facts, experiment.findings(journal.pieces))
-        _give(report, folder, output, comparison)
+        _give(report, folder, record)
     except BaseException as error:  # whatever ended it: what was measured until then took minutes
-        _give(Report(experiment, facts, experiment.findings(journal.pieces), interrupted=True), folder, output)
+        _give(Report(experiment, facts, experiment.findings(journal.pieces), interrupted=True), folder, record)
         if not isinstance(error, KeyboardInterrupt):
             raise
         done = sum(name in journal.pieces for name, _ in work)
         _say(f"interrupted after {done} of {len(work)} pieces; the same command goes on from there")
         return INTERRUPTED
-    if output.save_baseline is not None:
-        save(output.save_baseline, report)
-    worse = comparison is not None and comparison.worse
-    return 0 if report.findings.correct and not worse else 1
+    return 0 if report.findings.correct else 1
 
 
 def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> None:
@@ -212,19 +183,6 @@ def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> Non
         _say("all of this was measured before; another --out measures it again")
     for name, measured in experiment.plan.track(experiment.done(lacking), experiment.name, len(lacking)):
         journal.add(name, measured)
-
-
-def _compare(experiment: Experiment, journal: Journal, before: list[Line], output: Output) -> Comparison:
-    """Compare; what seems worse is measured again before it counts, for a busy machine slows one piece or another."""
-    for _ in range(DOUBTS):
-        found = compare(before, experiment.findings(journal.pieces).lines, whole=output.whole)
-        doubtful = {(change.section, change.what) for change in found.changes if change.worse}
-        more = list(experiment.again(journal.pieces, doubtful))
-        for name, _ in more:
-            _say(f"{name}: measured again, for something seems worse")
-        for name, measured in experiment.done(more):
-            journal.add(name, measured)
-    return compare(before, experiment.findings(journal.pieces).lines, whole=output.whole)
 
 
 def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
@@ -238,17 +196,14 @@ def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
     }
 
 
-def _give(report: Report, folder: Path, output: Output, comparison: Comparison | None = None) -> None:
+def _give(report: Report, folder: Path, record: Path | None) -> None:
     """Write the results into the folder, and print them."""
     name = report.experiment.name
-    data, text = report.to_dict(), report.to_text()
-    if comparison is not None and output.against is not None:
-        data["against"] = comparison.to_dict()
-        text += "\n" + comparison.to_text(str(output.against))
-    (folder / f"{name}.json").write_text(json_line(data) + "\n", encoding="utf-8")
+    text = report.to_text()
+    (folder / f"{name}.json").write_text(json_line(report.to_dict()) + "\n", encoding="utf-8")
     (folder / f"{name}.md").write_text(text, encoding="utf-8")
-    if output.record is not None:
-        (output.record / f"{name}.txt").write_text(f"# {name}\n\n{text}", encoding="utf-8")
+    if record is not None:
+        (record / f"{name}.txt").write_text(f"# {name}\n\n{text}", encoding="utf-8")
     sys.stdout.write(text)
     sys.stdout.flush()
     _say(f"results are in {folder}")

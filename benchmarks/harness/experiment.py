@@ -4,12 +4,10 @@ Its plan says how large a run is, what its random numbers begin with, and how it
 what was found and where: for people Markdown, for programs JSON.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import partial
-from itertools import count
-from statistics import fmean
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -17,8 +15,9 @@ from numpy.random import Generator
 from rich.console import Console
 from rich.progress import Progress
 
-from benchmarks.harness import parallel, reference
-from benchmarks.harness.lines import Line, tables_of, together
+from benchmarks.harness import parallel
+from benchmarks.harness.lines import Line, tables_of
+from benchmarks.harness.machine import busy
 from sinuous.base.errors import InputError
 
 Item = TypeVar("Item")
@@ -37,7 +36,7 @@ class Plan:
     quick : bool
         Whether to cut all counts down, to see in seconds that everything runs.
     rounds : int
-        How often everything is measured that is made of lines; the rounds show how much a figure spreads.
+        Of `wild`, each with fresh problems.
     """
 
     seed: int = 0
@@ -83,7 +82,7 @@ class Findings:
     Attributes
     ----------
     lines : list of Line
-        Figures, to be printed as tables and compared with a baseline.
+        Figures, to be printed as tables.
     busy : float
         Largest share of the processor that other processes had before or after a piece, 0 to 1.
     """
@@ -118,7 +117,7 @@ Part = Callable[[Plan], Iterable[Line]]
 
 @dataclass(frozen=True)
 class Experiment:
-    """Parts that each measure some lines, as often as there are rounds.
+    """Parts that each measure some lines.
 
     Attributes
     ----------
@@ -129,8 +128,6 @@ class Experiment:
         What is counted, and how it is timed, in a sentence for the head of the report.
     settings : mapping
         Plain values, all that the figures depend on besides machine, code, seed and size.
-    fresh : bool
-        Whether the shares know of rounds themselves, and each has problems of its own.
     abreast : bool
         Whether shares are done in as many processes as there are cores, each as soon as one is free: no process waits
         for the others between two parts, and what is timed has a core of its own. A quick run uses this process alone.
@@ -141,7 +138,6 @@ class Experiment:
     parts: Mapping[str, Divided]
     protocol: str = ""
     settings: Mapping[str, Any] = field(default_factory=dict)
-    fresh: bool = False
     abreast: bool = False
 
     @classmethod
@@ -156,10 +152,10 @@ class Experiment:
         return replace(self, parts={name: part for name, part in self.parts.items() if name in names})
 
     def pieces(self) -> Iterator[Piece]:
-        """Every part, then every part again: a slow minute of the machine meets one round alone."""
-        for number in range(1 if self.fresh else self.plan.rounds):
-            for name, part in self.parts.items():
-                yield from _round(name, part, number)
+        """All shares of all parts."""
+        for name, part in self.parts.items():
+            for piece, share in zip(_names(name, part), part.shares, strict=True):
+                yield piece, partial(_measured, share)
 
     def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
         """Do pieces, and yield name and values of each as soon as it is done."""
@@ -168,22 +164,13 @@ class Experiment:
         else:
             yield from ((name, measure()) for name, measure in pieces)
 
-    def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterator[Piece]:
-        """One more round of the parts that have some of these figures, which are named by section and what."""
-        for name, part in self.parts.items():
-            rounds = list(_rounds(name, part, pieces))
-            if not self.fresh and any((line.section, line.what) in doubtful for lines in rounds for line in lines):
-                yield from _round(name, part, len(rounds))
-
     def findings(self, pieces: dict[str, Any]) -> Findings:
-        """Put all rounds of every figure together, from the values of pieces by their names."""
-        found: dict[tuple[str, str], list[Line]] = {}
+        """Sum up all parts of which something was measured, from the values of pieces by their names."""
+        lines: list[Line] = []
         for name, part in self.parts.items():
-            for lines in _rounds(name, part, pieces):
-                for line in lines:
-                    found.setdefault((line.section, line.what), []).append(line)
-        busy = max((measured["busy"] for measured in pieces.values()), default=0.0)
-        return Findings([together(lines) for lines in found.values()], busy=busy)
+            there = [pieces[piece]["values"] for piece in _names(name, part) if piece in pieces]
+            lines += part.summed(there) if there else []
+        return Findings(lines, max((measured["busy"] for measured in pieces.values()), default=0.0))
 
 
 BUSY = 0.1
@@ -222,7 +209,7 @@ class Report:
             "interrupted": self.interrupted,
             "correct": found.correct,
             "busy": found.busy,
-            "lines": [{**asdict(line), "held": line.held, "spread": line.spread} for line in found.lines],
+            "lines": [{**asdict(line), "held": line.held} for line in found.lines],
         }
 
     def to_text(self) -> str:
@@ -272,33 +259,12 @@ def _read(values: list[list[dict[str, Any]]]) -> list[Line]:
     return [Line.of(plain) for lines in values for plain in lines]
 
 
-def _names(name: str, part: Divided, number: int) -> list[str]:
-    """Names of the pieces of one round of a part; more shares may be added later."""
-    more = [f"{name}, share {share}, round {number}" for share in range(1, len(part.shares))]
-    return [f"{name}, round {number}", *more]
-
-
-def _round(name: str, part: Divided, number: int) -> Iterator[Piece]:
-    for piece, share in zip(_names(name, part, number), part.shares, strict=True):
-        yield piece, partial(_measured, share)
+def _names(name: str, part: Divided) -> list[str]:
+    return [name, *(f"{name}, share {share}" for share in range(1, len(part.shares)))]
 
 
 def _measured(share: Callable[[], Any]) -> dict[str, Any]:
-    """Measure a share, and the reference workload before and after."""
-    before = reference.look()
+    """Measure a share, and how busy the machine is before and after."""
+    before = busy()
     values = share()
-    after = reference.look()
-    around, busy = 0.5 * (before.seconds + after.seconds), max(before.busy, after.busy)
-    return {"reference": around, "busy": busy, "values": values}
-
-
-def _rounds(name: str, part: Divided, pieces: dict[str, Any]) -> Iterator[list[Line]]:
-    """Lines of each round of a part that was measured: of whole rounds, or else of what there is of the first."""
-    for number in count():
-        named = _names(name, part, number)
-        there = [pieces[piece] for piece in named if piece in pieces]
-        if not there or (number > 0 and len(there) < len(named)):
-            return
-        around = fmean(measured["reference"] for measured in there)
-        lines = part.summed([measured["values"] for measured in there])
-        yield [replace(line, reference=around) for line in lines]
+    return {"busy": max(before, busy()), "values": values}

@@ -1,8 +1,8 @@
-"""One figure: what it is, what it reached, what it is measured against, its times, its spread; and tables of them."""
+"""One figure: what it is, what it reached, what it is measured against, its times; and tables of them."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -40,12 +40,6 @@ def exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6}
 """Units of time, and how many of them a second has; other units are those of the number itself."""
-
-RATES = ("/s",)
-"""Units of what is the quicker the more of it there is."""
-
-NOISE = 0.25
-"""Relative change of a figure that means nothing by itself."""
 
 
 @dataclass(frozen=True)
@@ -88,15 +82,6 @@ class Line:
         How many answers the judge confirmed, out of how many.
     note : str
         How it was measured, or seeds that reproduce what went wrong.
-    noise : float
-        Relative change that means nothing by itself: more for tails than for medians.
-    slack : float
-        Change that means nothing, in the unit of `reached`, for differences that may be zero.
-    rounds : tuple of float
-        What each round reached, where there were several; times and rates as they were if the reference workload had
-        taken as long in each.
-    reference : float or None
-        Seconds that the reference workload took around this measurement.
     """
 
     section: str
@@ -107,10 +92,6 @@ class Line:
     times: Times | None = None
     solved: tuple[int, int] | None = None
     note: str = ""
-    noise: float = NOISE
-    slack: float = 0.0
-    rounds: tuple[float, ...] = ()
-    reference: float | None = None
 
     @property
     def held(self) -> bool | None:
@@ -129,24 +110,6 @@ class Line:
         """Whether the goal is one of correctness."""
         return self.goal is not None and self.goal.correctness
 
-    @property
-    def less_is_better(self) -> bool:
-        """As the goal says; without one, times should be small, rates and ratios large."""
-        return self.unit not in ("x", *RATES) if self.goal is None else self.goal.at_most
-
-    @property
-    def spread(self) -> float | None:
-        """Range of the rounds, relative to the middle one; `None` where there was one round only."""
-        if len(self.rounds) < 2:
-            return None
-        extent = max(self.rounds) - min(self.rounds)
-        return 0.0 if extent == 0.0 else extent / abs(self.reached) if self.reached else math.inf
-
-    def at(self, reference: float | None) -> float:
-        """What it reaches where the reference workload takes so many seconds; only times and rates depend on that."""
-        slower = reference / self.reference if reference and self.reference else 1.0
-        return self.reached * (slower if self.unit in UNITS else 1.0 / slower if self.unit in RATES else 1.0)
-
     @classmethod
     def of(cls, plain: dict[str, Any]) -> "Line":
         """Return the line whose attributes a journal holds; NaN where JSON has null for a number."""
@@ -158,30 +121,12 @@ class Line:
             if times
             else None,
             "solved": solved and tuple(solved),
-            "rounds": tuple(_number(value) for value in plain["rounds"]),
         }
         return cls(**(plain | read))
 
 
 def _number(value: float | None) -> float:
     return math.nan if value is None else value
-
-
-def together(lines: Sequence[Line]) -> Line:
-    """Return one line for the same figure of several rounds: the middle one, of correctness the worst."""
-    if len(lines) == 1:
-        return lines[0]
-    ranked = sorted(lines, key=lambda line: _badness(line, line.at(lines[0].reference)))
-    chosen = ranked[-1] if lines[0].correctness else ranked[len(ranked) // 2]
-    least = min((line.solved for line in lines if line.solved is not None), default=None)
-    return replace(chosen, solved=least, rounds=tuple(line.at(chosen.reference) for line in lines))
-
-
-def _badness(line: Line, reached: float) -> float:
-    """Sort the best first, what is no number last."""
-    if math.isnan(reached):
-        return math.inf
-    return reached if line.less_is_better else -reached
 
 
 def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
@@ -219,11 +164,9 @@ def tables_of(lines: Sequence[Line]) -> list[str]:
     if not lines:
         return []
     parts = []
-    spread = any(line.spread is not None for line in lines)
-    headings = [*HEADINGS, "spread"] if spread else HEADINGS
     for section in dict.fromkeys(line.section for line in lines):
         own = [line for line in lines if line.section == section]
-        parts += [f"## {section}", table([headings, *(_row(line)[: len(headings)] for line in own)])]
+        parts += [f"## {section}", table([HEADINGS, *map(_row, own)])]
         parts += [f"{line.what}: {line.note}" for line in own if line.note]
     held = [line.held for line in lines if line.goal is not None]
     return [*parts, f"{held.count(True)} of {len(held)} goals held."]
@@ -232,8 +175,7 @@ def tables_of(lines: Sequence[Line]) -> list[str]:
 def _row(line: Line) -> list[str]:
     goal = "" if line.goal is None else f"{'<=' if line.goal.at_most else '>='} {number(line.goal.value, line.unit)}"
     solved = "" if line.solved is None else f"{line.solved[0]}/{line.solved[1]}"
-    spread = "" if line.spread is None else f"{100.0 * line.spread:.1f} %"
-    return [line.what, goal, number(line.reached, line.unit), line.verdict, solved, *_times(line), spread]
+    return [line.what, goal, number(line.reached, line.unit), line.verdict, solved, *_times(line)]
 
 
 def _times(line: Line) -> list[str]:

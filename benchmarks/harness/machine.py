@@ -5,9 +5,13 @@ import subprocess
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from time import perf_counter, thread_time
 
 import sinuous
 from sinuous.kernels.compile import cores
+
+LOOK = 0.05
+"""Seconds of a look at how busy the machine is."""
 
 PACKAGES = ("numpy", "scipy", "numba", "casadi", "libigl", "ompl")
 
@@ -23,6 +27,14 @@ def describe() -> dict[str, str]:
         "sinuous": sinuous.__version__ + _commit(),
         **{name: _version(name) for name in PACKAGES},
     }
+
+
+def busy() -> float:
+    """Share of the time in which other processes had the processor, 0 to 1, while this one wanted it."""
+    began, worked = perf_counter(), thread_time()
+    while (spent := perf_counter() - began) < LOOK:
+        pass
+    return max(0.0, 1.0 - (thread_time() - worked) / spent)
 
 
 def _processor() -> str:

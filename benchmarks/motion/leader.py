@@ -95,9 +95,9 @@ def _lines(name: str, curves: list[Floats], plan: Plan, gap: float | None = None
     times = Times.of(seconds)
     goal = None if load else Goal(0.1)
     yield Line(SECTION, f"{name}: time", times.median, "ms", goal, times, (proved, len(curves)))
-    yield Line(SECTION, f"{name}: tip, at worst", tip.max(), "%", Goal(0.001), slack=0.0002)
-    yield Line(SECTION, f"{name}: shape, mean", shape.mean(), "%", Goal(1.0), slack=0.1)
-    yield Line(SECTION, f"{name}: shape, at worst", most.max(), "%", slack=0.3)
+    yield Line(SECTION, f"{name}: tip, at worst", tip.max(), "%", Goal(0.001))
+    yield Line(SECTION, f"{name}: shape, mean", shape.mean(), "%", Goal(1.0))
+    yield Line(SECTION, f"{name}: shape, at worst", most.max(), "%")
 
 
 def tunnel(curve: Floats, away: float) -> list[sn.Sphere]:

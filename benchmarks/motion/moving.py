@@ -51,8 +51,8 @@ def measure(plan: Plan) -> Iterator[Line]:
         trials = [ask(1000 * plan.seed + i) for i in range(count)]
         times = Times.of([trial.seconds for trial in trials])
         right = sum(trial.solved and not trial.wrong for trial in trials)
-        yield Line(f"{SECTION}: {what}", "motions", right / count, "share", None, solved=(right, count), noise=0.2)
-        yield Line(f"{SECTION}: {what}", "median", times.median, "us", None, times, noise=1.0)
+        yield Line(f"{SECTION}: {what}", "motions", right / count, "share", None, solved=(right, count))
+        yield Line(f"{SECTION}: {what}", "median", times.median, "us", None, times)
         wrong = [f"{i}: {trial.wrong}" for i, trial in enumerate(trials) if trial.wrong]
         found = f"{SECTION}: {what}: proved motions in which a judge finds a contact, a limit or a rate violated"
         yield Line(found, "motions", len(wrong), "", Goal(0, correctness=True), note=", ".join(wrong[:4]))

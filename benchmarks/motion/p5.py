@@ -91,8 +91,6 @@ MEDIAN = "P5: median time of a plan (one core, warm, with the proof of every ste
 SHORTENED = "P5: median time with 10 shortcuts tried"
 OTHERS = "P5: compared, over the same proofs: planned in time"
 
-NOISE = 1.0
-
 
 class Pair(NamedTuple):
     """A robot among spheres, and two of its configurations (n, 3)."""
@@ -223,7 +221,7 @@ def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iter
     reached = 100.0 * sum(good) / len(good)
     yield Line(PLANNED, what, reached, "%", Goal(share, at_most=False), times, (sum(good), len(good)), note)
     yield _false(what, trials)
-    yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None, noise=NOISE)
+    yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None)
     for name in OTHER_PLANNERS:
         others = [trial.others[name] for trial in trials if name in trial.others]
         if others:

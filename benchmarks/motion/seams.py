@@ -219,11 +219,11 @@ def measure(plan: Plan, part: str) -> Iterator[Line]:
         for way, words in ways.items():
             some = words.count(word)
             yield Line(section, f"{way}: {word}", 100.0 * some / count, "%", note=f"{some} of {count}")
-    for suffices, word, noise in ((True, "suffices", 0.25), (False, "does not suffice", 1.0)):
+    for suffices, word in ((True, "suffices"), (False, "does not suffice")):
         seconds = [one.seconds for one in found if (one.plain == "solved") is suffices]
         if seconds:
             times, what = Times.of(seconds), f"CPU time of track where waypoint after waypoint {word}"
-            yield Line(section, what, times.median, "ms", times=times, noise=noise)
+            yield Line(section, what, times.median, "ms", times=times)
     off, turned = (max((getattr(one, name) for one in solved), default=0.0) for name in ("off", "turned"))
     right = Goal(1.0 + 1e-6, correctness=True)
     yield Line(section, "solved: largest distance of the tip from the line, in deviations", off, "", right)

@@ -62,7 +62,7 @@ def measure(plan: Plan, segments: int) -> Iterator[Line]:
         for section, name in ((LEFT, "left"), (WHOLE, "whole")):
             yield Line(section, what, 100.0 * sum(getattr(one, name) for one in followed) / len(followed), "%")
         yield Line(WAYPOINT, what, times.median, "us", Goal(60e-6), times)
-        yield Line(WORST, what, times.worst, "ms", Goal(50e-3), noise=1.0)
+        yield Line(WORST, what, times.worst, "ms", Goal(50e-3))
         for section, name in ((FALSE, "wrong"), (TIP, "missed")):
             count = sum(getattr(one, name) for one in followed)
             yield Line(section, what, count, "", Goal(0.0, correctness=True))

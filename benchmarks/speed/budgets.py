@@ -68,7 +68,7 @@ def measure(plan: Plan) -> Iterator[Line]:
     wall = Times.of([max(0.0, one.over) for one in everything])
     lost = sum(not one.undisturbed for one in everything)
     note = f"{lost} of {len(everything)} never had the processor to themselves in {TRIES} runs"
-    yield Line(SECTION, "all, with what other processes took away", wall.p99, "ms", None, wall, note=note, noise=2.0)
+    yield Line(SECTION, "all, with what other processes took away", wall.p99, "ms", None, wall, note=note)
 
 
 def _lines(name: str, kept: list[Kept]) -> Iterator[Line]:
@@ -77,8 +77,8 @@ def _lines(name: str, kept: list[Kept]) -> Iterator[Line]:
     times = Times.of([one.over for one in late] or [0.0])
     worst = max(late, key=lambda one: one.over, default=None)
     note = f"{len(late)} of {len(kept)} used up their budgets" + ("" if worst is None else f"; worst: {worst.told}")
-    yield Line(SECTION, f"{name}, 99 of 100", times.p99, "ms", TYPICAL, times, note=note, noise=1.0, slack=2e-4)
-    yield Line(SECTION, f"{name}, worst", times.worst, "ms", WORST, times, noise=2.0, slack=1e-3)
+    yield Line(SECTION, f"{name}, 99 of 100", times.p99, "ms", TYPICAL, times, note=note)
+    yield Line(SECTION, f"{name}, worst", times.worst, "ms", WORST, times)
 
 
 def _run(asked: Asked, rng: Generator, name: str) -> Kept:

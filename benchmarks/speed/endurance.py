@@ -82,11 +82,11 @@ def _arrays(plan: Plan, what: str, problems: ProblemSet, rate: Goal | None) -> I
     for workers, goal in ((1, None), (2, rate)):
         reached = median(each[workers - 1] for each in rounds)
         named = f"{what}, arrays, {workers} worker{'s' if workers > 1 else ''}"
-        yield Line(SECTION, named, reached, "/s", goal, note=note, noise=0.5)
+        yield Line(SECTION, named, reached, "/s", goal, note=note)
     ratios = [two / one for one, two in rounds]
     note += ": " + ", ".join(f"{ratio:.2f}" for ratio in ratios)
     goal = Goal(1.7, at_most=False)
-    yield Line(SECTION, f"two threads over one, {what}, solve_many", median(ratios), "x", goal, note=note, noise=0.5)
+    yield Line(SECTION, f"two threads over one, {what}, solve_many", median(ratios), "x", goal, note=note)
 
 
 def _goals(problems: ProblemSet, count: int) -> GoalArrays:

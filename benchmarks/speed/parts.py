@@ -47,16 +47,16 @@ def measure(plan: Plan) -> Iterator[Line]:
             scene, prepared = min((_scene(make, count, plan.rng(21)) for _ in range(ROUNDS)), key=itemgetter(1))
             times.append(_asked(scene, count, plan.rng(22)))
             yield Line(SECTION, f"a distance and its gradient among {count} {kind}", times[-1], "us")
-            yield Line(SECTION, f"preparing {count} {kind}", prepared, "ms", Goal(PREPARED), noise=1.0)
+            yield Line(SECTION, f"preparing {count} {kind}", prepared, "ms", Goal(PREPARED))
             if count >= MANY_OBSTACLES:
                 listed, again = _listed(scene, count, plan.rng(22))
                 cells.append(again)
                 yield Line(SECTION, f"the same once cells list who is near, {count} {kind}", cells[-1], "us")
-                yield Line(SECTION, f"making these cells, {count} {kind}", listed, "ms", noise=1.0)
-            yield Line(SECTION, f"moving one of {count} {kind}", _moved(scene, plan), "ms", Goal(CHANGED), noise=1.0)
+                yield Line(SECTION, f"making these cells, {count} {kind}", listed, "ms")
+            yield Line(SECTION, f"moving one of {count} {kind}", _moved(scene, plan), "ms", Goal(CHANGED))
         for what, own in (("", times), (" with cells", cells)):
             factor = max(own) / min(own)
-            yield Line(SECTION, f"dearest over cheapest distance{what}, {kind}", factor, "x", Goal(FACTOR), noise=0.5)
+            yield Line(SECTION, f"dearest over cheapest distance{what}, {kind}", factor, "x", Goal(FACTOR))
 
 
 def _scene(make: Make, count: int, rng: np.random.Generator) -> tuple[sn.Scene, float]:

@@ -180,7 +180,7 @@ def poses(plan: Plan) -> Iterator[Line]:
     goal = Goal(100.0, at_most=False, correctness=True)
     yield Line(POSES, "solved", 100.0 * solved[0] / solved[1], "%", goal, times, solved, "; ".join(failed))
     yield Line(POSES, "median", times.median, "us", Goal(12e-6))
-    yield Line(POSES, "p99", times.p99, "us", Goal(300e-6), noise=1.0)
+    yield Line(POSES, "p99", times.p99, "us", Goal(300e-6))
 
 
 def _errors(problems: ProblemSet, run: Answers) -> Floats:

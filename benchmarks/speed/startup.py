@@ -58,7 +58,7 @@ def _line(what: str, code: str, repeats: int, goal: Goal) -> Line:
     runs = [_run(code, dict(os.environ)) for _ in range(repeats + 1)][1:]  # the first one warms the disk
     broken = next((run.complaint for run in runs if run.complaint), "")
     times = Times.of([run.seconds for run in runs])
-    return Line(SECTION, what, float("inf") if broken else times.median, "s", goal, times, note=broken, noise=0.5)
+    return Line(SECTION, what, float("inf") if broken else times.median, "s", goal, times, note=broken)
 
 
 class _Run(NamedTuple):
@@ -80,7 +80,7 @@ def _run(code: str, environment: dict[str, str]) -> _Run:
 def _first(what: str, code: str, goal: Goal) -> Line:
     run = _run_from_nothing(code, "auto")
     note = run.complaint or "nothing was said of compiling" * ("compiled" not in run.said)
-    return Line(SECTION, what, float("inf") if note else run.seconds, "s", goal, note=note, noise=0.5)
+    return Line(SECTION, what, float("inf") if note else run.seconds, "s", goal, note=note)
 
 
 def _run_from_nothing(code: str, mode: str) -> _Run:
@@ -93,7 +93,7 @@ def _later(what: str, code: str, repeats: int) -> Line:
     first, alone = (min(run.seconds for run in each) for each in zip(*runs, strict=True))
     complaint = next((run.complaint for pair in runs for run in pair if run.complaint), "")
     note = complaint or f"{first:.1f} s against {alone:.1f} s"
-    return Line(LATER, what, float("inf") if complaint else first / alone, "times", Goal(1.3), note=note, noise=0.5)
+    return Line(LATER, what, float("inf") if complaint else first / alone, "times", Goal(1.3), note=note)
 
 
 @contextmanager

@@ -50,7 +50,7 @@ def wild(plan: Plan) -> Experiment:
         parts[kind] = Divided(shares(partial(made, judge, seed), count(MADE, 2), count(MADES, 1) * rounds), summed)
     work, summed = partial(trials.tallied, partial(worlds.make, seed)), partial(trials.lines_of, SECTION, "wild", MOST)
     parts["wild"] = Divided(shares(work, count(BLOCK, 10), count(BLOCKS, 1) * rounds), summed)
-    return Experiment("wild", plan, parts, fresh=True)
+    return Experiment("wild", plan, parts)
 
 
 def made(judge: Callable[[int, int], Sequence[Any]], seed: int, numbers: range) -> list[list[Any]]:

@@ -15,7 +15,7 @@ import sinuous as sn
 from benchmarks import clutter, derivatives, joints, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Attempt, Trial, examine
-from benchmarks.harness.conduct import Output, conduct
+from benchmarks.harness.conduct import conduct
 from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Line
 from benchmarks.motion import known, loops, moving, p5
@@ -52,7 +52,7 @@ SMALL = {
 def test_experiments_run_at_their_smallest_size(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(derivatives, "BESIDE", 1)
     monkeypatch.setattr(methods, "METHODS", ("newton", "opti_path", "dls"))
-    assert conduct(experiment(name, Plan(1, quick=True), SMALL[name]), Output(tmp_path)) == 0
+    assert conduct(experiment(name, Plan(1, quick=True), SMALL[name]), tmp_path) == 0
     report, text = json.loads((tmp_path / f"{name}.json").read_text()), (tmp_path / f"{name}.md").read_text()
     assert report["correct"]
     assert len(report["lines"]) >= len(SMALL[name])

@@ -210,9 +210,12 @@ def test_it_plans_to_a_target_and_to_a_goal_and_goes_on_from_there(run: Run) -> 
 def test_whether_a_start_is_clear_is_an_answer(run: Run) -> None:
     assert "start is clear: outside its limits by" in run("check plan.yaml").out
     Path("blocked.yaml").write_text(ROBOT + STRAIGHT + IN_THE_WAY + GOAL)
-    said = run("plan blocked.yaml", 1).out
-    assert said.startswith("blocked.yaml: start_blocked (")
-    assert "ball" in said
+    said = run("plan blocked.yaml --csv rows.csv", 1)
+    assert said.out.startswith("blocked.yaml: start_blocked (")
+    assert "ball" in said.out
+    assert "steps" not in said.out
+    assert "rows.csv: not written: no motion was found" in said.err
+    assert not Path("rows.csv").exists()
     assert "start is blocked" in run("check blocked.yaml", 1).out
 
 

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.motions import wrong_in
 from sinuous.base.errors import InputError
 from sinuous.kernels.certificate.query import CLEARANCES
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.motion.plan import Planner
-from sinuous.motion.planning import rrt_connect
+from sinuous.motion.planning import planners
 from sinuous.solver.certificates.steps import prove_steps
 from tests.motion.planning.places import STRETCHING as ROBOT
 from tests.motion.planning.places import pair
@@ -49,13 +50,26 @@ def test_plans_among_many_obstacles_list_who_is_near_and_stay_as_they_are(monkey
     scene, (start, goal) = pair(3)
     rods = [sn.Capsule((8.0, i, 0.0), (8.0, i, 1.0), 0.1) for i in range(48)]
     motions = []
-    for easy in (rrt_connect.EASY, 0):
-        monkeypatch.setattr(rrt_connect, "EASY", easy)
+    for easy in (planners.EASY, 0):
+        monkeypatch.setattr(planners, "EASY", easy)
         crowded = sn.Scene([*scene.obstacles, *rods])
         motions.append(sn.plan(ROBOT, start, goal, crowded).q)
     assert crowded.snapshot()._listed is not None
     assert len(motions[0]) > 2
     np.testing.assert_array_equal(motions[0], motions[1])
+
+
+@pytest.mark.parametrize("gap", [1e-5, 1e-3])
+def test_ends_near_to_contact_are_left_by_clear_motions(gap: float) -> None:
+    inside = np.array([[0.5, 0.2, 1.0], [-0.7, 0.3, 1.0], [0.4, -0.6, 1.0], [0.3, 0.5, 1.0]])
+    outside = np.array([[0.4, 0.0, 1.0], [0.4, 0.0, 1.0], [0.3, 0.1, 1.0], [0.2, 0.0, 1.0]])
+    place = ROBOT.forward(inside)[2]
+    scene = sn.Scene([sn.Sphere(place[:3, 3] + (0.35 + gap) * place[:3, 0], 0.3)])
+    assert least_clearance(ROBOT, scene, inside[None])[0] == pytest.approx(gap, abs=1e-6)
+    for ends in ((inside, outside), (outside, inside)):
+        motion = sn.plan(ROBOT, *ends, scene)
+        assert motion.solved
+        assert wrong_in(ROBOT, scene, motion.q) == ""
 
 
 def length(motion: sn.Motion) -> float:

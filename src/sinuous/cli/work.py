@@ -182,6 +182,8 @@ class AnswerWriter:
     def _write_table(self, file: Path, answer: Answer) -> None:
         if isinstance(answer, Alternatives):
             write_csv(file, answer.solutions or (answer.best,), self._columns)
+        elif isinstance(answer, Motion) and not answer.solved and len(answer.configuration) < 2:
+            say_notes({str(file): ("not written: no motion was found",)})
         elif isinstance(answer, Motion):
             rate = self._output.rate if isinstance(self._output, MotionOutput) else None
             _write_rows(file, answer, rate, self._columns)

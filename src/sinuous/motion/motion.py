@@ -752,7 +752,7 @@ def _text(motion: Motion) -> str:
         parts.append(f"  left       {left_in_words(motion)}")
     if len(motion.configuration) > 1:
         parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.configuration)} knots")
-    parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
+        parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
     parts.append(f"  effort     {duration(motion.seconds)}{_median(motion)}")
     return "\n".join(parts)
 

@@ -3,7 +3,6 @@
 Contact-retraction trees: past what stops a straight edge, by motions that are clear.
 """
 
-from collections.abc import Iterator
 from itertools import islice
 
 import numpy as np
@@ -14,10 +13,10 @@ from benchmarks.judges.motions import wrong_in
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
-from sinuous.motion.planning.local_planner import LocalPlanner, QueryEnds
-from sinuous.motion.planning.query import ProvedPath, Query
-from sinuous.motion.planning.retraction import ENOUGH, KINDS, LONGEST, TURNS_BEFORE, Retraction, retraction, slid_back
-from sinuous.motion.planning.rrt_connect import RRTConnect, rrt_connect
+from sinuous.motion.planning.local_planner import LocalPlanner
+from sinuous.motion.planning.planners import PlanSearch
+from sinuous.motion.planning.retraction import ENOUGH, KINDS, LONGEST, Retraction, slid_back
+from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.path import Curve
 from sinuous.scene.scene import Scene
@@ -26,14 +25,6 @@ from tests.motion.planning.places import INSIDE, OUTSIDE, ROBOT, bore, query
 
 OTHER = -INSIDE * [1.0, 1.0, -1.0]
 """The mirror image: turned half about the base's axis."""
-
-
-def paths(asked: Query) -> Iterator[ProvedPath | None]:
-    return retraction(asked, QueryEnds(asked))
-
-
-def straight_trees(asked: Query, ends: QueryEnds | None = None) -> Iterator[ProvedPath | None]:
-    return rrt_connect(asked, ends or QueryEnds(asked), RRTConnect(asked.robot, asked.scene))
 
 
 def draw_back(
@@ -82,8 +73,10 @@ def test_sliding_back_is_the_least_that_the_ends_are_off() -> None:
 )
 def test_paths_are_found_that_trees_alone_do_not_find(start: Floats, goal: Floats, walls: list[sn.Box]) -> None:
     scene = Scene(walls)
-    assert list(islice(straight_trees(query(scene, start, goal)), 3)) == [None] * 3
-    path = next(path for path in islice(paths(query(scene, start, goal)), TURNS_BEFORE + 7) if path is not None)
+    asked = query(scene, start, goal)
+    trees = RRTConnect(ROBOT, asked.scene)
+    assert trees.grow(np.stack([start, goal]), 0, (0, 1024), asked.deadline) is None
+    path = next(path for path in islice(PlanSearch(asked, trees).paths(), 9) if path is not None)
     np.testing.assert_array_equal(path.q[[0, -1]], [start, goal])
     assert (path.answers[:, VERDICT] == CLEAR).all()
     assert wrong_in(ROBOT, scene, path.q) == ""

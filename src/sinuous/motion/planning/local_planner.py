@@ -1,11 +1,11 @@
 """The local planner: moves a body to a configuration nearby that has room, and proves the motion there.
 
-A solution of a robot with a thicker body leaves the robot itself room. So a configuration that is too near to an
-obstacle, for a proof or for a tree to leave it, is solved again with a thicker body, and the motion there is proved.
+A solution of a robot with a thicker body leaves the robot itself room. So a configuration that is in contact, or too
+near to it for a proof, is solved again with a thicker body, and the motion there is proved.
 """
 
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.motion.planning.query import Query
-from sinuous.motion.planning.tree import Chain
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
@@ -23,12 +22,6 @@ from sinuous.solver.solver import Solver
 
 CLEARANCES = (0.2, 0.05)
 """Room that retractions ask for, in radii of each segment: by so much thicker robots are solved."""
-
-END_CLEARANCES = (0.4, 0.2, 0.1, 0.05, 0.02)
-"""Room that the ends of a path are given, in radii of each segment: the most is tried first."""
-
-ENOUGH = 0.1
-"""A configuration with so much room, in radii, is left as it is."""
 
 LOOSE = 0.3
 """How far the tip may move while a body is given room, in the largest radius of the body."""
@@ -41,9 +34,6 @@ FINEST = 3e-4
 
 KEPT = 64
 """Thicker robots that are kept in memory."""
-
-CLOSE = 1e-6
-"""The same for an edge from the end of a path to where there is room: it may begin in contact."""
 
 
 class LocalPlanner:
@@ -59,7 +49,6 @@ class LocalPlanner:
         self.robot = query.robot if np.array_equal(query.robot.tool, np.eye(4)) else query.robot.changed(tool=None)
         self._scene = query.scene
         self._prover = Prover(query.robot, query.scene, FINEST)
-        self._close_prover = Prover(query.robot, query.scene, CLOSE)
         self._solvers: dict[tuple[float, float], Solver] = {}
 
     def lead(self, target: Target, begin: Floats, room: float) -> Floats | None:
@@ -72,20 +61,6 @@ class LocalPlanner:
     def retract(self, q: Floats, room: float) -> Floats | None:
         """Return a configuration near one (n, 3) that may overlap: with room (radii), and the tip about where it is."""
         return self._solve(Target(self.robot.tip(q)[:3, 3]), q, room, LOOSE * max(self.robot.radii))
-
-    def with_clearance(self, q: Floats) -> Chain:
-        """Return a configuration (n, 3) alone, or also one with more room, the motion to which is proved clear.
-
-        It is alone where it has enough room, and where nothing near it has any.
-        """
-        enough = self.retract(q, ENOUGH)
-        if enough is not None and np.array_equal(enough, q):
-            return [q]
-        for room in END_CLEARANCES:
-            roomy = self.retract(q, room)
-            if roomy is not None and self._close_prover.is_clear(q, roomy, self.deadline.left()):
-                return [q] if np.array_equal(roomy, q) else [q, roomy]
-        return [q]
 
     def is_clear(self, p: Floats, q: Floats) -> bool:
         """Whether the motion from `p` to `q` (n, 3) is proved clear."""
@@ -105,52 +80,6 @@ class LocalPlanner:
             SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
         )
         return Solver._of_checked(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
-
-
-class QueryEnds:
-    """The start and the goals of a query, each with a chain from it to where there is room.
-
-    Trees grow from there where the ends themselves are too near to contact.
-
-    Parameters
-    ----------
-    query : Query
-
-    Attributes
-    ----------
-    narrow : bool
-        Whether trees that grew a little did not come far from one of them; the planner that grows trees sets it.
-    """
-
-    def __init__(self, query: Query) -> None:
-        self._query, self.narrow = query, False
-        self._chains: dict[bytes, Chain] = {}
-
-    @cached_property
-    def local(self) -> LocalPlanner:
-        """What moves them; made when it is needed first."""
-        return LocalPlanner(self._query)
-
-    @property
-    def start(self) -> Chain:
-        """The chain of the start."""
-        return self.with_clearance(self._query.start)
-
-    def goals(self, reached: Floats) -> list[Chain]:
-        """Return the chains of all goals, after looking for more; see `Query`."""
-        return [self.with_clearance(q) for q in self._query.goals(reached)]
-
-    def with_clearance(self, q: Floats) -> Chain:
-        """Return the chain of any configuration (n, 3)."""
-        key = q.tobytes()
-        if key not in self._chains:
-            self._chains[key] = self.local.with_clearance(q)
-        return self._chains[key]
-
-
-def roots_of(start: Chain, goals: list[Chain]) -> Floats:
-    """Return the roots of trees (1 + g, n, 3): the last of the start's chain, and of each goal's."""
-    return np.stack([start[-1], *(chain[-1] for chain in goals)])
 
 
 @lru_cache(maxsize=KEPT)

@@ -1,13 +1,10 @@
 """How a robot paces a given path: faster, slower, waiting or back, from tick to tick (after Kant & Zucker 1986).
 
-The path is cut into pieces, time into ticks. A state is a place of the path and, where accelerations are limited, how
-many pieces the step there passed: the next step may differ from it as much as accelerations allow. States are searched
-best first. An edge between two states is proved clear when it is taken from the queue, so few of them are.
-
-Without limits of acceleration, the states of a tick come before those of the next one, and of these the one that was
-reached by the least to and fro. With them, how many ticks are left at least, without obstacles, is known of all states,
-and the one with the fewest comes first (A*). From rest a body under an even acceleration a gets as far as a h^2 / 2 in
-the first tick h, so no piece is longer than that.
+The path is cut into pieces, time into ticks. A state is a place of the path and how many pieces the step there passed:
+the next step may differ from it as much as accelerations allow. How many ticks are left at least, without obstacles, is
+known of all states, and the one with the fewest comes first (A*). An edge between two states is proved clear when it is
+taken from the queue, so few of them are. From rest a body under an even acceleration a gets as far as a h^2 / 2 in the
+first tick h, so no piece is longer than that.
 """
 
 import heapq
@@ -26,41 +23,34 @@ SHARE = 0.3
 
 MOST_TICKS = 400
 
-PIECES = 16
-"""Pieces of a path where accelerations are not limited, about so many."""
-
-FREE_TICKS = 24
-"""Ticks of a motion whose duration is given, where no rates say how many there may be."""
-
-AT_ONCE = 3
-"""Pieces that are passed in a tick, at most, where no rates say it."""
-
-SMOOTH_TICKS = 16
-"""Ticks in which the path would be passed without obstacles, about so many, where accelerations are limited."""
+TICKS = 16
+"""Ticks in which the path would be passed without obstacles, about so many."""
 
 FASTEST = 8
-"""Most pieces that are passed in a tick, where accelerations are limited."""
+"""Most pieces that are passed in a tick."""
+
+HURRY = 2.0
+"""How many times as quickly as evenly the path would be passed where no rates say how quickly it may be."""
 
 HASTE = 1.5
 """How much more a tick that is left counts than one that is over: with 1, the first path found is the shortest."""
 
 MOST_PIECES = 300
-"""Pieces of a path where accelerations are limited: with more, ticks are made longer."""
+"""Pieces of a path: with more, ticks are made longer."""
 
 
 class PathState(NamedTuple):
-    """A place of the path, and how many pieces the step there passed (0 where that does not matter)."""
+    """A place of the path, and how many pieces the step there passed."""
 
     place: int
     passed: int
 
 
 class _Reached(NamedTuple):
-    """The state at the tick before, what is proved (14,) of the step, and how many pieces were passed so far."""
+    """The state at the tick before, and what is proved (14,) of the step."""
 
     before: PathState
     answer: Floats | None
-    far: int
 
 
 def pace_path(query: TimedQuery, path: Floats) -> ProvedPath | None:
@@ -69,7 +59,7 @@ def pace_path(query: TimedQuery, path: Floats) -> ProvedPath | None:
     Where accelerations are limited, the speed of neighbouring steps differs by no more than these allow in the mean of
     their durations; at both ends, from and to rest, in half the duration of the step.
     """
-    grid = _grid_of_rates(query, path) if query.accelerations is None else _grid_of_accelerations(query, path)
+    grid = _grid_of(query, path)
     if grid is None:
         return None
     until = (1.0 - SHARE) * query.deadline.left()
@@ -79,31 +69,30 @@ def pace_path(query: TimedQuery, path: Floats) -> ProvedPath | None:
     queue: list[tuple[tuple[float, float], int, PathState, PathState]] = [((0.0, 0.0), 0, start, start)]
     while queue and query.deadline.left() > until:
         _, k, state, before = heapq.heappop(queue)
-        edge, answer, far = (k, before.place, state.place), None, 0
+        edge, answer = (k, before.place, state.place), None
         if (k, state) in reached or edge in blocked:
             continue
         if k > 0:
             ends = grid.places[before.place], grid.places[state.place]
             answer = query.prove(*ends, float(grid.ticks[k - 1]), float(grid.ticks[k]))
-            far = reached[k - 1, before].far + abs(state.place - before.place)
             if answer is None:
                 blocked.add(edge)
                 continue
-        reached[k, state] = _Reached(before, answer, far)
+        reached[k, state] = _Reached(before, answer)
         if k > 0 and grid.ends(k, state):
             return _back_from(grid, reached, k, state)
         for following in grid.next(k, state):
-            heapq.heappush(queue, (grid.worth(k + 1, following, far), k + 1, following, state))
+            heapq.heappush(queue, (grid.worth(k + 1, following), k + 1, following, state))
     return None
 
 
 def _back_from(
-    grid: "_RateGrid | _AccelerationGrid", reached: dict[tuple[int, PathState], _Reached], last: int, end: PathState
+    grid: "_PathGrid", reached: dict[tuple[int, PathState], _Reached], last: int, end: PathState
 ) -> ProvedPath:
     """Return the path that leads to a state at the last tick."""
     state, places, answers = end, [end.place], []
     for k in range(last, 0, -1):
-        state, answer, _ = reached[k, state]
+        state, answer = reached[k, state]
         assert answer is not None
         answers.append(answer)
         places.append(state.place)
@@ -111,54 +100,10 @@ def _back_from(
 
 
 @dataclass(frozen=True)
-class _RateGrid:
-    """A grid under rates alone: `most` pieces may be passed in a tick, on or back."""
-
-    places: Floats
-    ticks: Floats
-    most: int
-    early: bool
-
-    def next(self, k: int, state: PathState) -> Iterator[PathState]:
-        """Yield the states that may follow at tick k + 1 on one at tick k."""
-        last, left = len(self.places) - 1, len(self.ticks) - 2 - k
-        for place in range(max(0, state.place - self.most), min(last, state.place + self.most) + 1):
-            if last - place <= self.most * left:
-                yield PathState(place, 0)
-
-    def worth(self, k: int, state: PathState, far: int) -> tuple[float, float]:
-        """Return what a state at tick k is worth, the least first; `far` pieces were passed before the step there."""
-        return float(k), float(far)
-
-    def ends(self, k: int, state: PathState) -> bool:
-        """Whether the motion may end in a state at tick k."""
-        return state.place == len(self.places) - 1 and (self.early or k == len(self.ticks) - 1)
-
-
-def _grid_of_rates(query: TimedQuery, path: Floats) -> _RateGrid | None:
-    """Cut a path into pieces that take about as long; `None` where there is no time for all pieces."""
-    moves = np.diff(path, axis=0)
-    sizes = query.least(moves)
-    if not (sizes > 0.0).all():
-        sizes = np.abs(moves).sum(axis=(1, 2))
-    counts = np.maximum(1, np.ceil(PIECES * sizes / max(float(sizes.sum()), 1e-300) - 1e-9)).astype(np.intp)
-    places = cut(path, counts)
-    window = query.end - query.begin
-    if query.rates is None:
-        most = max(AT_ONCE, -(-len(places) // (FREE_TICKS // 3)))
-        return _RateGrid(places, np.linspace(query.begin, query.end, FREE_TICKS + 1), most, query.early)
-    longest = float(query.least(np.diff(places, axis=0)).max()) * (1.0 + ROUNDING)
-    longest = max(longest, window / MOST_TICKS)
-    count = int(window / longest * (1.0 + ROUNDING))
-    if count < len(places) - 1:
-        return None
-    return _RateGrid(places, _ticks(query, longest, count), 1, query.early)
-
-
-@dataclass(frozen=True)
-class _AccelerationGrid:
+class _PathGrid:
     """A grid under rates and accelerations; `j` counts steps of j - FASTEST pieces.
 
+    `limited`: whether accelerations are; else it does not matter how many pieces a step passed, which is 0 then.
     `fast` (N, j): whether rates allow such a step from a place. `smooth` (N, j, k): whether accelerations allow it
     after a step of k - FASTEST pieces to this place. `still` (N, j): whether it may come from rest. `stops` (N, j):
     whether rest may follow such a step to this place. `left` (N, j): ticks until rest at the end, at least, after it.
@@ -167,6 +112,7 @@ class _AccelerationGrid:
     places: Floats
     ticks: Floats
     early: bool
+    limited: bool
     fast: NDArray[np.bool_]
     smooth: NDArray[np.bool_]
     still: NDArray[np.bool_]
@@ -178,9 +124,9 @@ class _AccelerationGrid:
         allowed = self.fast[place] & (self.still[place] if k == 0 else self.smooth[place, :, passed + FASTEST])
         for step in (np.flatnonzero(allowed) - FASTEST).tolist():
             if k + 1 + self.left[place + step, step + FASTEST] < len(self.ticks):
-                yield PathState(place + step, step)
+                yield PathState(place + step, step if self.limited else 0)
 
-    def worth(self, k: int, state: PathState, far: int) -> tuple[float, float]:
+    def worth(self, k: int, state: PathState) -> tuple[float, float]:
         """Return what a state at tick k is worth, the least first.
 
         To be early it is best to have few ticks left.
@@ -197,15 +143,18 @@ class _AccelerationGrid:
         return bool(arrived and (self.early or k == len(self.ticks) - 1))
 
 
-def _grid_of_accelerations(query: TimedQuery, path: Floats) -> _AccelerationGrid | None:
+def _grid_of(query: TimedQuery, path: Floats) -> _PathGrid | None:
     """Cut a path into pieces of which the first can be passed from rest in a tick; `None` where there is no time."""
     moves = np.diff(path, axis=0)
     speeds, gains = query.speeds(moves), query.gains(moves)
     window = query.end - query.begin
+    if query.rates is None:
+        sizes = np.abs(moves).sum(axis=(1, 2))
+        speeds = HURRY * sizes.sum() / (window * np.maximum(sizes, np.finfo(float).tiny))
     tops = np.minimum(speeds, np.sqrt(gains))
     ramps = np.divide(tops, gains, out=np.zeros(len(tops)), where=np.isfinite(gains))
     ramp = float(ramps.max(initial=0.0))
-    tick = max((float((1.0 / tops).sum()) + ramp) / SMOOTH_TICKS, 2.0 * ramp / FASTEST, window / MOST_TICKS)
+    tick = max((float((1.0 / tops).sum()) + ramp) / TICKS, 2.0 * ramp / FASTEST, window / MOST_TICKS)
     counts = _counts(speeds, gains, tick)
     while counts.sum() > MOST_PIECES:
         tick *= 1.25
@@ -224,7 +173,7 @@ def _counts(speeds: Floats, gains: Floats, tick: float) -> NDArray[np.intp]:
     return np.maximum(1, np.ceil(1.0 / most - ROUNDING)).astype(np.intp)
 
 
-def _allowed(query: TimedQuery, places: Floats, ticks: Floats, tick: float) -> _AccelerationGrid:
+def _allowed(query: TimedQuery, places: Floats, ticks: Floats, tick: float) -> _PathGrid:
     """Say which steps rates and accelerations allow."""
     count, jumps = len(places), np.arange(-FASTEST, FASTEST + 1)
     to, back = np.arange(count)[:, None] + jumps, np.arange(count)[:, None] - jumps
@@ -239,7 +188,7 @@ def _allowed(query: TimedQuery, places: Floats, ticks: Floats, tick: float) -> _
     smooth = (query.gains(turns.reshape(flat)) >= square).reshape(turns.shape[:3]) & came[:, None]
     still, stops = ((query.gains(each.reshape(flat)) >= 2.0 * square).reshape(fast.shape) for each in (on, before))
     left = _ticks_left(fast, smooth, stops & came, len(ticks))
-    return _AccelerationGrid(places, ticks, query.early, fast, smooth, still & is_there, left)
+    return _PathGrid(places, ticks, query.early, query.accelerations is not None, fast, smooth, still & is_there, left)
 
 
 def _ticks_left(fast: NDArray[np.bool_], smooth: NDArray[np.bool_], stops: NDArray[np.bool_], ticks: int) -> Floats:

@@ -2,31 +2,59 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import count, islice
 
 import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
-from sinuous.motion.configurations import overlap_at
-from sinuous.motion.planning.local_planner import QueryEnds
+from sinuous.kernels.fitting.query import ball_radius
+from sinuous.motion.configurations import lever_metric, overlap_at
+from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
+from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.path_pacing import pace_path
-from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TimedQuery
-from sinuous.motion.planning.retraction import retraction
-from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees, rrt_connect
+from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
+from sinuous.motion.planning.retraction import FIRST, KINDS, Retraction
+from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
 from sinuous.motion.planning.timed_tree import grow_timed_tree
+from sinuous.motion.planning.tree import Chain
 from sinuous.scene.moving import Moving
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LOOSE_SECONDS, SLACK, Prover
+
+EASY, FIRST_DRAWS = 16, 64
+"""Draws of the first trees, which grow from the ends as they are. After the first number of draws, it is listed where
+which of very many obstacles are near."""
+
+NARROW = 0.1875
+"""A tree with no more nodes than this share of its draws grows from a narrow place."""
+
+ROUNDS = ((0, 256), (256, 1024))
+"""Draws of trees from the ends as they are where none is in a narrow place; before each more goals are looked for."""
+
+FIRST_GOALS, FIRST_STEPS = 2, 16
+"""Goals that are drawn back a little before anything else, and by how many steps."""
+
+DRAWS, MOST_DRAWS = 256, 2**20
+"""Draws of trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
+
+TURNS_OF_START = (2, 4)
+"""Turns in which the start is drawn back, each time beginning with another kind of retraction; in others, a goal."""
+
+RETRACTED_DRAWS, MOST_RETRACTED_DRAWS = 24, 192
+"""Draws of the contact-retraction trees in a turn that has drawn back an end, and in others: a retraction of another
+kind often leads to where it takes few of them. In the first turn they have none: straight trees are sooner where they
+get there."""
+
+ROOTS = 12
+"""Knots of one retraction that trees grow from."""
 
 STRAIGHT_GOALS = 4
 """Goals to which straight lines are paced."""
 
 SEEDS = 4
 """Seeds with which paths past obstacles that stand still are planned, to be paced."""
-
-MOMENTS = 5
-"""Times at which all obstacles that move are taken for standing still: all times at once, and one after the other."""
 
 SHARE = 0.1
 """Share of the time left that planning a path to be paced may take."""
@@ -37,13 +65,13 @@ TURNS, SHARE_OF_TREES = 3, 0.5
 
 
 def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None = None) -> ProvedPath | None:
-    """Let the planners take turns; `None` when the time is over, or none has anything left to try.
+    """Look for a path turn by turn; `None` when the time is over.
 
     Under load only a tree grows, whose edges are proved one by one. So it does, after a while, where tensions are
-    limited: the others do not know these.
+    limited: other trees do not know these.
 
-    Each planner yields a path, or `None` where the other one may go on. `trees`: memory of this robot and scene, to
-    grow the first trees in. `turns`: most turns of each; by default as many as the time allows.
+    `trees`: memory of this robot and scene, to grow trees in. `turns`: most turns; by default as many as the time
+    allows.
     """
     if query.robot.has_external_load:
         return _by_proofs(query)
@@ -51,21 +79,122 @@ def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None =
         first = replace(query, deadline=Deadline(SHARE_OF_TREES * query.deadline.left()))
         path = find_path(first, trees, TURNS)
         return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else _by_proofs(query)
-    ends, taken = QueryEnds(query), 0
-    planners = [rrt_connect(query, ends, trees or RRTConnect(query.robot, query.scene)), retraction(query, ends)]
-    while planners and taken != turns:
-        taken += 1
-        for planner in tuple(planners):
+    paths = PlanSearch(query, trees or RRTConnect(query.robot, query.scene)).paths()
+    return next((path for path in islice(paths, turns) if path is not None), None)
+
+
+class PlanSearch:
+    """Joins a start with goals, all of which may be in narrow places.
+
+    Straight trees grow from the ends as they are. Then, turn by turn, a goal or the start is drawn back along itself,
+    and trees join what is known: straight ones, and contact-retraction trees.
+
+    Parameters
+    ----------
+    query : Query
+    trees : RRTConnect
+    """
+
+    def __init__(self, query: Query, trees: RRTConnect) -> None:
+        self._query, self._trees = query, trees
+        self._local = LocalPlanner(query)
+        self._retracted = ContactRetractionTrees(self._local, query.seed)
+        self._goals = np.empty((0, *query.start.shape))
+        self._outs: list[Chain] = []
+        self._ins: list[Chain] = []
+
+    def paths(self) -> Iterator[ProvedPath | None]:
+        """Yield the path that is found, or `None` after each turn, until the time is over."""
+        query, path = self._query, None
+        if isinstance(query.goals, TargetGoals):
+            path = self._between_ends((0, 0))
+            if path is None:
+                query.goals.add_simplest()
+        if path is None and query.scene.has_hierarchy:
+            path = self._between_ends((0, EASY))
+            query.scene.list_near(query.robot.base[:3, 3], query.robot.longest, ball_radius(query.robot.limits))
+        path = path or self._between_ends((0, FIRST_DRAWS))
+        first, other = self._trees.sizes
+        narrow = min(first, other - len(self._goals) + 1) <= NARROW * FIRST_DRAWS
+        yield path or self._from_little_back()
+        for draws in () if narrow else ROUNDS:
+            yield self._between_ends(draws)
+        for turn in count():
             if query.deadline.left() <= 0.0:
-                return None
-            try:
-                path = next(planner)
-            except StopIteration:
-                planners.remove(planner)
-                continue
-            if path is not None:
-                return path
-    return None
+                return
+            self._draw_back(turn)
+            yield self._grow(turn) or self._grow_retracted(turn)
+
+    def _between_ends(self, draws: tuple[int, int]) -> ProvedPath | None:
+        """Let trees grow from the ends as they are, anew where they begin with draw 0."""
+        query, known = self._query, len(self._goals) if draws[0] > 0 else 0
+        self._goals = query.goals(self._trees.reached if draws[1] > FIRST_DRAWS else query.start[None])
+        roots = np.concatenate([query.start[None], self._goals[known:]])
+        return self._trees.grow(roots, query.seed, draws, query.deadline, query.shortcuts)
+
+    def _from_little_back(self) -> ProvedPath | None:
+        """Draw back the first goals a little, and let straight trees grow from the start to there.
+
+        The last one first: what was solved without the start has fewer folds. Arms of links alone do not slide along
+        themselves, and trees are there sooner.
+        """
+        query, path = self._query, None
+        for goal in self._goals[FIRST_GOALS - 1 :: -1] if query.robot.segments else ():
+            made = Retraction(self._local, goal, 0, query.start)
+            made.run(FIRST_STEPS, FIRST)
+            path = path or self._join([query.start], [made.knots], query.seed, FIRST_DRAWS)
+        return path
+
+    def _draw_back(self, turn: int) -> None:
+        """Draw back a goal, or the start."""
+        start, goals = self._query.start, self._query.goals(self._trees.reached)
+        if turn in TURNS_OF_START:
+            self._outs.append(self._drawn_back(start, goals[0], len(self._outs)))
+            return
+        number, kinds = len(self._ins), len(KINDS)
+        if number < kinds * len(goals):
+            self._ins.append(self._drawn_back(goals[number // kinds], start, number % kinds))
+
+    def _drawn_back(self, end: Floats, other: Floats, kind: int) -> Chain:
+        made = Retraction(self._local, end, kind, other)
+        made.run()
+        return made.knots
+
+    def _grow(self, turn: int) -> ProvedPath | None:
+        """Let straight trees grow from the start, or the end of one of its retractions, to knots of the goals'."""
+        query, out = self._query, [self._query.start]
+        if self._outs and turn % 2 == 0:
+            out = self._outs[turn // 2 % len(self._outs)]
+        ins = [*self._ins, *([q] for q in query.goals(query.start[None]))]
+        return self._join(out, ins, (query.seed + turn) % 2**31, min(DRAWS << turn, MOST_DRAWS))
+
+    def _join(self, out: Chain, ins: list[Chain], seed: int, draws: int) -> ProvedPath | None:
+        """Let trees grow from the end of a chain of the start's to knots of the goals', and lead on into the ends."""
+        knots = [q for chain in ins for q in self._some(chain, out[-1])]
+        path = self._trees.grow(np.stack([out[-1], *knots]), seed, (0, draws), self._query.deadline)
+        if path is None:
+            return None
+        end = path.q[-1]
+        into = next(chain[i::-1] for chain in ins for i, q in enumerate(chain) if np.array_equal(q, end))
+        return self._shortened([*out, *path.q[1:-1], *into])
+
+    def _grow_retracted(self, turn: int) -> ProvedPath | None:
+        """Let contact-retraction trees grow from the start and its retractions, and from the goals'."""
+        new = turn == len(self._outs) + len(self._ins) - 1
+        self._retracted.plant(0, [[self._query.start], *self._outs])
+        self._retracted.plant(1, self._ins)
+        found = self._retracted.grow(0 if turn == 0 else RETRACTED_DRAWS if new else MOST_RETRACTED_DRAWS)
+        return None if found is None else self._shortened(found)
+
+    def _some(self, knots: Chain, out: Floats) -> Chain:
+        """Some of the knots, the last one first, and the one that is nearest to a configuration (n, 3)."""
+        some = np.linspace(len(knots) - 1, 0, ROOTS).round().astype(int)
+        squares = np.square((np.stack(knots) - out) * lever_metric(self._query.robot)).sum(axis=(1, 2))
+        return [knots[i] for i in np.unique(np.append(some, squares.argmin()))[::-1]]
+
+    def _shortened(self, chain: Chain) -> ProvedPath:
+        query = self._query
+        return self._trees.shorten(np.stack(chain), query.seed, query.deadline, query.shortcuts)
 
 
 def _by_proofs(query: Query) -> ProvedPath | None:
@@ -120,12 +249,9 @@ def _untimed_paths(query: TimedQuery) -> Iterator[Floats]:
     goals = query.goals(query.start[None])
     for goal in goals[:STRAIGHT_GOALS]:
         yield np.stack([query.start, goal])
-    there = [query.scene.at(t) for t in np.linspace(query.begin, query.end, MOMENTS).tolist()]
-    still, moving = standing(query.scene), sorted(query.scene.courses)
-    everywhere = Snapshot((*still.obstacles, *(moment.obstacles[i] for moment in there for i in moving)))
-    scenes = [everywhere, *there[: MOMENTS // 2 + 1], *[still] * SEEDS]
-    for seed, scene in enumerate(scenes):
-        q = _untimed_path(query, scene, query.seed + seed)
+    still = standing(query.scene)
+    for seed in range(SEEDS):
+        q = _untimed_path(query, still, query.seed + seed)
         if q is not None and len(q) > 2:
             yield q
 

@@ -115,13 +115,12 @@ class TargetGoals:
                 self._add(self._follow(reached[i]))
         return np.stack([solution.configuration for solution in self.solutions])
 
-    def with_simplest(self) -> Floats:
-        """Return all goals (g, n, 3), after looking for one from no configuration, but from the arc to the target.
+    def add_simplest(self) -> None:
+        """Look for a goal from no configuration, but from the arc to the target.
 
         What is solved from the start keeps its turns and folds; a body without them is often reached straight.
         """
         self._add(self._follow(None))
-        return self(self.solutions[0].configuration[None])
 
     def _follow(self, q: Floats | None) -> Solution | None:
         """Follow one configuration (n, 3), or the arc to the targets, to the targets; `None` where that fails."""

@@ -1,12 +1,10 @@
-"""Retraction out of narrow places: the start and the goals are drawn back along themselves, then trees join them.
+"""Retraction out of narrow places: a body is drawn back along itself.
 
 The tip goes back along the curve that the body makes, and the body slides back with it, the more the nearer it is to
 the tip; the rest gives way as little as it can, pushed off by obstacles. A robot that cannot stretch bends more,
 outside. Backwards, it is the motion into the place.
 """
 
-from collections.abc import Iterator
-from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +12,7 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.kernels.planning.sliding import slide_back, sliding_size
 from sinuous.model.robot import Robot, robot_group
-from sinuous.motion.configurations import lever_metric
-from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
-from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner, QueryEnds, roots_of
-from sinuous.motion.planning.query import ProvedPath, Query
-from sinuous.motion.planning.rrt_connect import RRTConnect, lead_on, shortened
-from sinuous.motion.planning.tree import Chain
+from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner
 from sinuous.problem.target import Target
 from sinuous.solver.polylines import lengths_along
 
@@ -37,33 +30,6 @@ MOST_STEPS = 100_000
 
 OF_CURVE = 20
 """Points of the curve on each segment."""
-
-FIRST_GOALS = 2
-"""Goals that are drawn back a little in the first turn of all."""
-
-FIRST_DRAWS = 64
-"""Draws of the trees that grow to a goal that was drawn back a little, in the first turn of all."""
-
-DRAWS, MOST_DRAWS = 256, 2**20
-"""Draws of the trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
-
-TURNS_OF_START = (2, 4)
-"""Turns in which the start is drawn back, each time beginning with another kind of retraction; in others, a goal."""
-
-TURNS_BEFORE = 2
-"""Turns that straight trees have before, where no end is in a narrow place: they are there sooner."""
-
-FIRST_STEPS = 16
-"""Steps of the first retraction in its first turn. Straight trees from ends with room may be there before it goes on,
-so they have two turns then."""
-
-RETRACTED_DRAWS, MOST_RETRACTED_DRAWS = 24, 192
-"""Draws of the contact-retraction trees in a turn that has drawn back an end, and in others: a retraction of another
-kind often leads to where it takes few of them. In the first turn they have none: straight trees are sooner where they
-get there."""
-
-ROOTS = 12
-"""Knots of one retraction that trees grow from."""
 
 
 class RetractionKind(NamedTuple):
@@ -133,7 +99,7 @@ class Retraction:
         self.knots = [q]
 
     def run(self, steps: int = MOST_STEPS, shortest: float = 0.0) -> bool:
-        """Draw the body back by so many more steps, also such as fail, while there is time; say whether it is done.
+        """Draw the body back by so many steps, also such as fail, while there is time; say whether it came to an end.
 
         It stops where steps would be shorter than `shortest` (robot lengths).
         """
@@ -194,92 +160,3 @@ def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Float
     begin = np.array(q, order="C")
     slide_back(robot_group(robot), begin, by, weights, wished, robot.mean_length, workspace, back)
     return back
-
-
-def retraction(query: Query, ends: QueryEnds) -> Iterator[ProvedPath | None]:
-    """Yield a path from the start, or from where it can be drawn back to, into a goal, or `None` after each turn.
-
-    Each turn draws back a goal, or the start, with another kind of retraction; then straight trees and
-    contact-retraction trees join what is known. See `planners.find_path`.
-    """
-    join = _Join(query, ends)
-    path = join.begin()
-    if path is not None or not ends.narrow:
-        yield path
-        yield from (None for _ in range(TURNS_BEFORE - 1))
-    for turn in count():
-        yield from join.draw_back(turn)
-        path = join.grow(turn)
-        yield join.grow_retracted(turn) if path is None else path
-
-
-class _Join:
-    """How far the start and the goals can be drawn back, and trees that join them."""
-
-    def __init__(self, query: Query, ends: QueryEnds) -> None:
-        self._query, self._ends = query, ends
-        self._trees = RRTConnect(query.robot, query.scene)
-        self._retracted = ContactRetractionTrees(ends.local, query.seed)
-        self._outs: list[Chain] = []
-        self._ins: list[Chain] = []
-
-    def begin(self) -> ProvedPath | None:
-        """Draw back the first goals a little, from where they are, and let straight trees grow from the start to there.
-
-        The last one first: what was solved without the start has fewer folds. Arms of links alone do not slide along
-        themselves, and trees are there sooner.
-        """
-        query, path = self._query, None
-        if not query.robot.segments:
-            return None
-        for goal in query.goals(query.start[None])[FIRST_GOALS - 1 :: -1]:
-            if path is None and query.deadline.left() > 0.0:
-                made = Retraction(self._ends.local, goal, 0, query.start)
-                made.run(FIRST_STEPS, FIRST)
-                roots = roots_of([query.start], [[q] for q in self._some(made.knots, query.start)])
-                path = self._trees.grow(roots, query.seed, (0, FIRST_DRAWS), query.deadline)
-                path = None if path is None else lead_on(query, self._trees, [query.start], path, [made.knots])
-        return path
-
-    def draw_back(self, turn: int) -> Iterator[None]:
-        """Draw back a goal, or the start; `None` where a turn ends before that does."""
-        goals = self._ends.goals(self._query.start[None])
-        if turn in TURNS_OF_START:
-            yield from self._draw_back(self._ends.start, goals[0][-1], len(self._outs), self._outs)
-            return
-        number, kinds = turn - len(self._outs), len(KINDS)
-        if number < kinds * len(goals):
-            yield from self._draw_back(goals[number // kinds], self._ends.start[-1], number % kinds, self._ins)
-
-    def _draw_back(self, end: Chain, other: Floats, kind: int, retractions: list[Chain]) -> Iterator[None]:
-        made = Retraction(self._ends.local, end[-1], kind, other)
-        if not self._ins and not made.run(FIRST_STEPS):
-            yield None
-            yield None
-        made.run()
-        retractions.append([*end[:-1], *made.knots])
-
-    def grow(self, turn: int) -> ProvedPath | None:
-        """Let straight trees grow from the start, or the end of one of its retractions, to knots of the goals'."""
-        query = self._query
-        if query.deadline.left() <= 0.0:
-            return None
-        out = self._outs[turn // 2 % len(self._outs)] if self._outs and turn % 2 == 0 else self._ends.start
-        roots = roots_of(out, [[q] for knots in self._ins for q in self._some(knots, out[-1])])
-        draws, seed = min(DRAWS << turn, MOST_DRAWS), (query.seed + turn) % 2**31
-        path = self._trees.grow(roots, seed, (0, draws), query.deadline)
-        return None if path is None else lead_on(query, self._trees, out, path, self._ins)
-
-    def grow_retracted(self, turn: int) -> ProvedPath | None:
-        """Let contact-retraction trees grow from the start and its retractions, and from the goals'."""
-        new = turn == len(self._outs) + len(self._ins) - 1
-        self._retracted.plant(0, [self._ends.start, *self._outs])
-        self._retracted.plant(1, self._ins)
-        found = self._retracted.grow(0 if turn == 0 else RETRACTED_DRAWS if new else MOST_RETRACTED_DRAWS)
-        return None if found is None else shortened(self._query, self._trees, found)
-
-    def _some(self, knots: Chain, out: Floats) -> Chain:
-        """Some of the knots, the last one first, and the one that is nearest to a configuration (n, 3)."""
-        some = np.linspace(len(knots) - 1, 0, ROOTS).round().astype(int)
-        squares = np.square((np.stack(knots) - out) * lever_metric(self._query.robot)).sum(axis=(1, 2))
-        return [knots[i] for i in np.unique(np.append(some, squares.argmin()))[::-1]]

@@ -1,10 +1,8 @@
 """RRT-Connect (Kuffner & LaValle 2000): two trees of straight edges, from the start and from the goals.
 
-The trees grow in a kernel, see `kernels.planning.trees`. This module holds their memory, and says how long they grow
-before more goals are looked for and before they are planted anew.
+The trees grow in a kernel, see `kernels.planning.trees`. This module holds their memory.
 """
 
-from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
@@ -13,12 +11,9 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.certificate.sweep import sweep_size
-from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
 from sinuous.model.robot import Robot, robot_group
-from sinuous.motion.planning.local_planner import QueryEnds, roots_of
-from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals
-from sinuous.motion.planning.tree import Chain
+from sinuous.motion.planning.query import Deadline, ProvedPath
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, unproved
 
@@ -30,15 +25,6 @@ MOST_NUMBERS = 8_000_000
 
 MOST_KNOTS = 4_000
 """Knots of a path."""
-
-ROUNDS = (64, 256, 1024)
-"""Draws after which more goals are looked for. Then the trees are planted anew with other draws, twice as many."""
-
-EASY = 16
-"""Draws of the first round among very many obstacles; before the others, it is listed where which of them are near."""
-
-NARROW = 0.1875
-"""A tree with no more nodes than this share of the draws of the first round grows from a narrow place."""
 
 
 class RRTConnect:
@@ -141,69 +127,3 @@ def load_trees(robot: Robot, scene: Snapshot) -> None:
     """Compile what grows trees, or load it."""
     if not robot.has_external_load:
         RRTConnect(robot, scene).load()
-
-
-def rrt_connect(query: Query, ends: QueryEnds, trees: RRTConnect) -> Iterator[ProvedPath | None]:
-    """Yield the path that straight trees find, or `None` after each round; see `planners.find_path`.
-
-    Straight lines to goals are tried first. In the first round the trees grow from the ends as they are, then from
-    configurations near them that have room. Where an end is in a narrow place, others have two turns for one of trees
-    that are planted anew.
-    """
-    seed, deadline = query.seed, query.deadline
-    goals, first, last = query.goals(query.start[None]), 0, ROUNDS[0]
-    if isinstance(query.goals, TargetGoals):
-        path = trees.grow(np.concatenate([query.start[None], goals]), seed, (0, 0), deadline)
-        if path is not None:
-            yield path
-        goals = query.goals.with_simplest()
-    roots = np.concatenate([query.start[None], goals])
-    if query.scene.has_hierarchy:
-        path = trees.grow(roots, seed, (0, EASY), deadline, query.shortcuts)
-        if path is not None:
-            yield path
-        query.scene.list_near(query.robot.base[:3, 3], query.robot.longest, ball_radius(query.robot.limits))
-    path = trees.grow(roots, seed, (first, last), deadline, query.shortcuts)
-    ends.narrow = path is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW * last
-    yield path
-    known = len(goals) if not any(len(ends.with_clearance(q)) > 1 for q in roots) else 0
-    for following in ROUNDS[1:]:
-        first, last = last if known else 0, following
-        chains = ends.goals(trees.reached)
-        yield _joined(query, ends, trees, chains, known, (seed, first, last))
-        known = len(chains)
-    while True:
-        if ends.narrow:
-            yield None
-        seed, last = (seed + 1) % 2**31, 2 * last
-        yield _joined(query, ends, trees, ends.goals(trees.reached), 0, (seed, 0, last))
-
-
-def _joined(
-    query: Query, ends: QueryEnds, trees: RRTConnect, goals: list[Chain], known: int, draws: tuple[int, int, int]
-) -> ProvedPath | None:
-    """Let trees grow from the end of the start's chain to those of the goals' chains, and lead on into the ends.
-
-    `known`: how many of the goals are in the trees already. `draws`: the seed, the first draw, and the one after the
-    last.
-    """
-    seed, first, last = draws
-    start = ends.start
-    alone = len(start) == 1 and all(len(chain) == 1 for chain in goals)
-    shortcuts = query.shortcuts if alone else 0
-    path = trees.grow(roots_of(start, goals[known:]), seed, (first, last), query.deadline, shortcuts)
-    if path is None or alone:
-        return path
-    return lead_on(query, trees, start, path, goals)
-
-
-def lead_on(query: Query, trees: RRTConnect, start: Chain, path: ProvedPath, goals: list[Chain]) -> ProvedPath:
-    """Return a path from the end of the start's chain to a configuration of a goal's, with what leads on at both."""
-    end = path.q[-1]
-    into = next(chain[i::-1] for chain in goals for i, q in enumerate(chain) if np.array_equal(q, end))
-    return shortened(query, trees, [*start, *path.q[1:-1], *into])
-
-
-def shortened(query: Query, trees: RRTConnect, chain: Chain) -> ProvedPath:
-    """Return the path through the configurations of a chain from the start to a goal, shortened."""
-    return trees.shorten(np.stack(chain), query.seed, query.deadline, query.shortcuts)

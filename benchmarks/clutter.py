@@ -5,16 +5,14 @@ Every place was made around a hidden shape that reaches its target, so neither "
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from functools import lru_cache, partial
-from statistics import median
+from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import sinuous as sn
 from benchmarks.harness.experiment import Divided, Experiment, Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.judges.judge import IMPOSSIBLE
-from benchmarks.places import FAMILIES, Place, make
+from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right as judged_right
 from sinuous.solver.options import read_without
 from sinuous.solver.solver import Solver
@@ -31,11 +29,9 @@ WORLDS, WORLDS_QUICK, WORLDS_TOGETHER = 100_000, 200, 100
 
 SOLVED = "solved and proved within 1 s, and found right by the judges"
 FALSE = 'wrong claims: "solved" where a judge disagrees, or "impossible" where there is the hidden shape'
-MEDIAN = "median time (one core, warm; the goal is stricter where the single arc alone solves 99 %)"
+MEDIAN = "median time (one core, warm)"
 TAIL = "time that 95 % of the solves keep within"
 WORST = "worst time"
-FIRST = "from robot and obstacles to the first answer, median"
-ALONE = "compared: newton from the single arc alone"
 
 NARROW = 10e-3
 """Goal of the median where a pipe is 1.3 times as wide as the body, seconds."""
@@ -87,16 +83,17 @@ def worlds(plan: Plan) -> Experiment:
 def divided(family: str, seeds: range, together: int, without: tuple[str, ...] = ()) -> Divided:
     """Return places of one family, some at a time, and what sums them up."""
     shares = [partial(tried, family, seeds[i : i + together], without) for i in range(0, len(seeds), together)]
-    return Divided(shares, partial(summed, family))
+    return Divided(shares, partial(lines_of, family))
 
 
-class Attempt(NamedTuple):
-    """What one solver came to.
+class Trial(NamedTuple):
+    """One place, and what a solver came to there.
 
     Attributes
     ----------
-    first, seconds : float
-        Of the first solve, which makes what a solver puts off, and of the second, which is what counts.
+    seed : int
+    seconds : float
+        Of the second solve: the first makes what a solver puts off.
     status : str
     start : str
         Kind of the start that won.
@@ -104,7 +101,7 @@ class Attempt(NamedTuple):
         Whether it says solved, and whether the judge finds it so, who looks at nothing else.
     """
 
-    first: float
+    seed: int
     seconds: float
     status: str
     start: str
@@ -122,102 +119,42 @@ class Attempt(NamedTuple):
         return (self.claimed and not self.right) or self.status in IMPOSSIBLE
 
 
-class Trial(NamedTuple):
-    """One place, and what came of it.
-
-    Attributes
-    ----------
-    seed : int
-    prepare : float
-        Seconds to make scene and solver.
-    ours, arc : Attempt
-        Of the solver that a user gets, and of one that begins at the single arc alone.
-    """
-
-    seed: int
-    prepare: float
-    ours: Attempt
-    arc: Attempt
-
-
-def tried(family: str, seeds: range, without: tuple[str, ...]) -> list[list[Any]]:
-    """Try some places; return plain values of the trials."""
-    return [list(examine(family, seed, without)) for seed in seeds]
+def tried(family: str, seeds: range, without: tuple[str, ...]) -> list[Trial]:
+    """Try some places."""
+    return [examine(family, seed, without) for seed in seeds]
 
 
 def examine(family: str, seed: int, without: tuple[str, ...] = ()) -> Trial:
-    """Make a place and solve it; attempts of ours may be switched off."""
+    """Make a place and solve it; attempts of the solver may be switched off."""
     place = make(family, seed)
-    prepared = _shared if FAMILIES[family].published else _prepared
-    solver, prepare = prepared(place.robot, place.scene, place.tolerance, without)
-    local = _local(place.robot, place.scene, place.tolerance)
-    return Trial(seed, prepare, _attempt(place, solver), _attempt(place, local))
-
-
-def _prepared(
-    robot: sn.Robot, scene: sn.Scene, tolerance: sn.Tolerance, without: tuple[str, ...]
-) -> tuple[Solver, float]:
-    """Return the solver that a user gets, and the seconds that it took to make."""
+    solver = Solver(place.robot, place.scene, tolerance=place.tolerance, without=without)
+    solver.solve(place.targets)
     began = perf_counter()
-    solver = Solver(robot, sn.Scene(scene.obstacles), tolerance=tolerance, without=without)
-    return solver, perf_counter() - began
-
-
-_shared = lru_cache(maxsize=16)(_prepared)
-"""For places that share robot and scene, which are the published ones."""
-
-
-@lru_cache(maxsize=2)
-def _local(robot: sn.Robot, scene: sn.Scene, tolerance: sn.Tolerance) -> Solver:
-    """Return a solver without routes, which follows one start."""
-    return Solver(robot, scene, tolerance=tolerance, max_starts=1, routes=False)
-
-
-def _attempt(place: Place, solver: Solver) -> Attempt:
-    spent = []
-    for _ in range(2):
-        began = perf_counter()
-        solution = solver.solve(place.targets)
-        spent.append(perf_counter() - began)
+    solution = solver.solve(place.targets)
+    seconds = perf_counter() - began
     right = solution.solved and judged_right(place, solution.configuration)
-    return Attempt(spent[0], spent[1], str(solution.status), solution.start, solution.solved, right)
+    return Trial(seed, seconds, str(solution.status), solution.start, solution.solved, right)
 
 
-def summed(family: str, shares: Sequence[Sequence[Sequence[Any]]]) -> Iterator[Line]:
-    """Summarise a family of which some shares were tried."""
-    trials = [Trial(seed, prepare, Attempt(*ours), Attempt(*arc)) for own in shares for seed, prepare, ours, arc in own]
-    yield from lines_of(family, trials)
-
-
-def lines_of(family: str, trials: list[Trial]) -> Iterator[Line]:
+def lines_of(family: str, shares: Sequence[Sequence[Trial]]) -> Iterator[Line]:
     """Summarise one family: every family on the same lines, so that they can be compared."""
-    own = FAMILIES[family]
-    ours, arcs = [trial.ours for trial in trials], [trial.arc for trial in trials]
-    times = Times.of([attempt.seconds for attempt in ours])
-    good = [attempt.solved and attempt.seconds <= LIMIT for attempt in ours]
-    goal = Goal(100.0 if own.published else 99.0, at_most=False)
-    failed = [trial for trial, well in zip(trials, good, strict=True) if not well]
-    won = Counter(attempt.start for attempt in ours if attempt.solved).most_common()
+    own, trials = FAMILIES[family], [trial for share in shares for trial in share]
+    times = Times.of([trial.seconds for trial in trials])
+    failed = [trial for trial in trials if not trial.solved or trial.seconds > LIMIT]
+    good, goal = len(trials) - len(failed), Goal(100.0 if own.published else 99.0, at_most=False)
+    won = Counter(trial.start for trial in trials if trial.solved).most_common()
     winners = "won by " + (", ".join(f"{kind} {count}" for kind, count in won) or "none")
     note = "; ".join([own.words + " (judging only)" * own.judging, winners, *_listed("not solved", failed)])
-    yield Line(SOLVED, family, 100.0 * sum(good) / len(good), "%", goal, times, (sum(good), len(good)), note)
-    wrong = [trial for trial in trials if trial.ours.false or trial.arc.false]
+    yield Line(SOLVED, family, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
+    wrong = [trial for trial in trials if trial.false]
     yield Line(FALSE, family, len(wrong), "", Goal(0, correctness=True), note="; ".join(_listed("wrong", wrong)))
-    local = _solved(arcs) >= 0.99 * len(arcs)
-    fast = Goal(200e-6 if own.published else 100e-6 if local else NARROW if "1.3" in family else 5e-3)
-    yield Line(MEDIAN, family, times.median, "us" if fast.value < 1e-3 else "ms", fast)
+    fast = Goal(200e-6 if own.published else NARROW if "1.3" in family else 5e-3)
+    yield Line(MEDIAN, family, times.median, "ms", fast)
     yield Line(TAIL, family, times.p95, "ms", Goal(50e-3))
     yield Line(WORST, family, times.worst, "ms", Goal(LIMIT))
-    yield Line(FIRST, family, median(trial.prepare + trial.ours.first for trial in trials), "ms")
-    alone = Times.of([attempt.seconds for attempt in arcs])
-    yield Line(ALONE, family, 100.0 * _solved(arcs) / len(arcs), "%", None, alone, (_solved(arcs), len(arcs)))
-
-
-def _solved(attempts: Sequence[Attempt]) -> int:
-    return sum(attempt.solved for attempt in attempts)
 
 
 def _listed(what: str, trials: list[Trial]) -> list[str]:
     """Seeds and statuses, to begin a search with; nothing when there are none."""
-    listed = ", ".join(f"{trial.seed} ({trial.ours.status})" for trial in trials[:SHOWN])
+    listed = ", ".join(f"{trial.seed} ({trial.status})" for trial in trials[:SHOWN])
     return [f"{what}: seeds {listed}{' ...' * (len(trials) > SHOWN)}"] if trials else []

@@ -506,7 +506,7 @@ def measure(plan: Plan, family: str) -> Iterator[Line]:
     count, number = plan.count(MANY // (len(COMPARED) * (BESIDE + 1)), 12), list(COMPARED).index(family)
     total = regular = 0
     worst, wrong = 0.0, list[str]()
-    for i in plan.track(range(count), family, count):
+    for i in range(count):
         for j, each in enumerate(COMPARED[family](plan.rng(83, number, i))):
             total, regular = total + 1, regular + (each is not None)
             if each is not None and each <= WRONG:

@@ -122,7 +122,7 @@ def measure(plan: Plan) -> Iterator[Line]:
     problems, count = plan.count(PROBLEMS, 1), plan.count(1000, 20)
     section = SECTION.format(count=f"{count:,}")
     seconds, better, beyond = [], 0, 0
-    for number in plan.track(range(problems), "problems", problems):
+    for number in range(problems):
         asked = problem(number, plan.rng(91, number))
         given = asked.template, asked.tasks, asked.scene
         began = time.perf_counter()

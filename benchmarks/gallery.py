@@ -72,7 +72,7 @@ def run(
     if picture is not None:
         draw(picture, SHOWN if family is None else {family: number})
     if family is not None:
-        ours = examine(family, number).ours
+        ours = examine(family, number)
         verdict = "right" if ours.right else "WRONG" if ours.false else "not right"
         won = f" by {ours.start}" * ours.solved
         typer.echo(

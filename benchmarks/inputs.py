@@ -404,7 +404,7 @@ def read_all(kind: str, plan: Plan) -> Iterator[Line]:
     files = plan.count(FILES, 400) // 4 if kind == "tables" else 3 * plan.count(FILES, 400) // (4 * len(KINDS) - 4)
     found: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
-        for number in plan.track(range(files), kind, files):
+        for number in range(files):
             found[read(KINDS[kind](plan.rng(number, list(KINDS).index(kind))), Path(folder))] += 1
     for key, what in (("wrong", "other geometry without a note"), ("exception", "an exception but InputError")):
         yield Line(kind, f"{what}, of {files} files", float(found[key]), "files", Goal(0.0, correctness=True))
@@ -460,7 +460,7 @@ def arm(rng: Generator, wrong: str = "") -> tuple[sn.Robot, sn.Scene, list[list[
 def suspicious(plan: Plan) -> Iterator[Line]:
     """Count what is noted of right problems, which should be nothing, and of wrong ones, which should be all."""
     count = plan.count(17 * ARMS, ARMS)
-    said = sum(bool(_said(plan.rng(0, number))) for number in plan.track(range(count), "right", count))
+    said = sum(bool(_said(plan.rng(0, number))) for number in range(count))
     yield Line("notes", f"of {count} right problems", float(said), "noted", Goal(0.0, correctness=True))
     for i, wrong in enumerate(WRONG):
         missed = ARMS - sum(bool(_said(plan.rng(1 + i, number), wrong)) for number in range(ARMS))

@@ -2,19 +2,22 @@
 
 import hashlib
 import json
-import os
+import pickle
 import sys
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
+from rich.progress import Progress
+
 import benchmarks
 import sinuous
-from benchmarks.harness.experiment import Experiment, Piece, Report
+from benchmarks.harness.experiment import Experiment, Measured, Piece
+from benchmarks.harness.lines import Line, tables_of
 from benchmarks.harness.machine import describe
 from sinuous.base.errors import InputError
-from sinuous.files.documents import json_line
 
 INTERRUPTED = 130
 
@@ -30,8 +33,8 @@ NEEDED = {
 MOMENTARY = ("date", "sinuous", "casadi")
 """Facts of a machine that may change while an experiment goes on; the hash of the sources stands for the version."""
 
-
-NAME = "journal.jsonl"
+BUSY = 0.1
+"""Share of the processor that other processes may have before times mean little."""
 
 
 def code_version() -> str:
@@ -43,84 +46,41 @@ def code_version() -> str:
     return digest.hexdigest()[:12]
 
 
-@dataclass
 class Journal:
-    """The pieces of one experiment, in a file.
+    """The pieces of one experiment that were measured under the same settings, each in a file.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when it is not there.
+    settings : dict
+        Plain values, all that the figures depend on: what was measured under others is no part of this experiment.
 
     Attributes
     ----------
-    file : Path
-    pieces : dict
-        What was measured, by the name of the piece.
+    pieces : dict of str to Measured
+        By the names of pieces.
+
+    Raises
+    ------
+    InputError
+        When the folder is a file.
     """
 
-    file: Path
-    pieces: dict[str, Any] = field(default_factory=dict)
-
-    @classmethod
-    def open(cls, folder: Path, settings: dict[str, Any]) -> "Journal":
-        """Open the journal of a folder: a new one, or the one that is there if it was begun with the same settings.
-
-        Parameters
-        ----------
-        folder : Path
-            Made when it is not there.
-        settings : dict
-            Plain values, all that the figures depend on: what a line measured under other settings says is no part of
-            this experiment.
-
-        Raises
-        ------
-        InputError
-            When other settings were used before; it names the first that differs. When the folder is a file.
-        """
+    def __init__(self, folder: Path, settings: dict[str, Any]) -> None:
         if folder.exists() and not folder.is_dir():
             raise InputError("--out", "is a file", str(folder), "a folder")
-        folder.mkdir(parents=True, exist_ok=True)
-        journal = cls(folder / NAME)
-        if not journal.file.exists():
-            journal.file.write_text(json_line({"settings": settings}) + "\n", encoding="utf-8")
-            return journal
-        lines, size = _whole_lines(journal.file)
-        before = lines[0].get("settings") if lines else None
-        _refuse_others(folder, before, json.loads(json_line(settings)))
-        os.truncate(journal.file, size)
-        journal.pieces = {line["piece"]: line["measured"] for line in lines[1:]}
-        return journal
+        self._folder = folder / hashlib.sha256(json.dumps(settings).encode()).hexdigest()[:12]
+        self._folder.mkdir(parents=True, exist_ok=True)
+        files = self._folder.glob("*.piece")
+        self.pieces: dict[str, Measured] = dict(pickle.loads(file.read_bytes()) for file in files)
 
-    def add(self, piece: str, measured: Any) -> None:
+    def add(self, piece: str, measured: Measured) -> None:
         """Keep what was measured, on disk before this returns."""
-        line = json_line({"piece": piece, "measured": measured})
-        with self.file.open("a", encoding="utf-8") as stream:
-            stream.write(line + "\n")
-        self.pieces[piece] = json.loads(line)["measured"]
-
-
-def _whole_lines(file: Path) -> tuple[list[dict[str, Any]], int]:
-    """Lines of a journal, and how many bytes they are: its end may be torn, by a computer that stopped."""
-    lines: list[dict[str, Any]] = []
-    size = 0
-    for text in file.read_bytes().splitlines(keepends=True):
-        try:
-            line = json.loads(text)
-        except ValueError:
-            break
-        if not isinstance(line, dict) or not text.endswith(b"\n"):
-            break
-        lines.append(line)
-        size += len(text)
-    return lines, size
-
-
-def _refuse_others(folder: Path, before: Any, now: dict[str, Any]) -> None:
-    if before == now:
-        return
-    remedy = "the settings of before, or another folder"
-    if not isinstance(before, dict):
-        raise InputError("--out", "its journal cannot be read", str(folder), remedy)
-    key = next(key for key in {**before, **now} if before.get(key) != now.get(key))
-    change = f"{key} was {before.get(key, 'not set')}, is {now.get(key, 'not set')}"
-    raise InputError("--out", change, str(folder), remedy)
+        new = self._folder / f"{len(self.pieces)}.new"
+        new.write_bytes(pickle.dumps((piece, measured)))
+        new.replace(new.with_suffix(".piece"))  # whole, whatever stops the computer
+        self.pieces[piece] = measured
 
 
 def require() -> None:
@@ -156,33 +116,45 @@ def conduct(experiment: Experiment, folder: Path | None = None, record: Path | N
     Raises
     ------
     InputError
-        When the folder holds measurements under other settings.
+        When the folder is a file.
     """
     folder = Path(f"bench-{experiment.name}") if folder is None else folder
-    facts = describe()
-    journal = Journal.open(folder, _settings(experiment, facts))
-    work = list(experiment.pieces())
+    facts, work = describe(), list(experiment.pieces())
+    journal = Journal(folder, _settings(experiment, facts))
+    lacking = [(name, measure) for name, measure in work if name not in journal.pieces]
+    interrupted = True
     try:
-        _measure(experiment, work, journal)
-        report = Report(experiment, facts, experiment.findings(journal.pieces))
-        _give(report, folder, record)
-    except BaseException as error:  # whatever ended it: what was measured until then took minutes
-        _give(Report(experiment, facts, experiment.findings(journal.pieces), interrupted=True), folder, record)
-        if not isinstance(error, KeyboardInterrupt):
-            raise
+        if not lacking:
+            _say("all of this was measured before; another --out measures it again")
+        for name, measured in _tracked(experiment, lacking):
+            journal.add(name, measured)
+        interrupted = False
+    except KeyboardInterrupt:
         done = sum(name in journal.pieces for name, _ in work)
         _say(f"interrupted after {done} of {len(work)} pieces; the same command goes on from there")
-        return INTERRUPTED
-    return 0 if report.findings.correct else 1
+    finally:  # whatever ended it: what was measured until then took minutes
+        lines = experiment.lines(journal.pieces)
+        text = report(experiment, facts, journal, lines, interrupted)
+        (folder / f"{experiment.name}.md").write_text(text, encoding="utf-8")
+        if record is not None:
+            (record / f"{experiment.name}.txt").write_text(f"# {experiment.name}\n\n{text}", encoding="utf-8")
+        sys.stdout.write(text)
+        sys.stdout.flush()
+        _say(f"results are in {folder}")
+    return INTERRUPTED if interrupted else int(any(line.correctness and not line.held for line in lines))
 
 
-def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> None:
-    """Measure what the journal lacks."""
-    lacking = [(name, measure) for name, measure in work if name not in journal.pieces]
-    if not lacking:
-        _say("all of this was measured before; another --out measures it again")
-    for name, measured in experiment.plan.track(experiment.done(lacking), experiment.name, len(lacking)):
-        journal.add(name, measured)
+def _tracked(experiment: Experiment, pieces: Sequence[Piece]) -> Iterator[tuple[str, Measured]]:
+    """Do pieces; in a terminal with a bar, drawn between two: a thread of its own would disturb what is timed."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield from experiment.done(pieces)
+        return
+    with Progress(console=console, auto_refresh=False, transient=True) as progress:
+        task = progress.add_task(experiment.name, total=len(pieces))
+        for each in experiment.done(pieces):
+            yield each
+            progress.update(task, advance=1, refresh=True)
 
 
 def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
@@ -196,17 +168,29 @@ def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
     }
 
 
-def _give(report: Report, folder: Path, record: Path | None) -> None:
-    """Write the results into the folder, and print them."""
-    name = report.experiment.name
-    text = report.to_text()
-    (folder / f"{name}.json").write_text(json_line(report.to_dict()) + "\n", encoding="utf-8")
-    (folder / f"{name}.md").write_text(text, encoding="utf-8")
-    if record is not None:
-        (record / f"{name}.txt").write_text(f"# {name}\n\n{text}", encoding="utf-8")
-    sys.stdout.write(text)
-    sys.stdout.flush()
-    _say(f"results are in {folder}")
+def report(
+    experiment: Experiment, facts: dict[str, str], journal: Journal, lines: Sequence[Line], interrupted: bool
+) -> str:
+    """Return what was found and where, as Markdown."""
+    plan = experiment.plan
+    shown = {**facts, "seed": str(plan.seed)}
+    if experiment.protocol:
+        shown["protocol"] = experiment.protocol
+    if plan.rounds > 1:
+        shown["rounds"] = str(plan.rounds)
+    parts = ["\n".join(f"- {key}: {value}" for key, value in shown.items() if value != "not installed")]
+    if plan.quick:
+        parts.append("A quick run: counts are cut down, figures mean little.")
+    most = max((measured.busy for measured in journal.pieces.values()), default=0.0)
+    if most > BUSY:
+        parts.append(
+            f"BUSY: other processes had up to {100.0 * most:.0f} % of the processor while this was measured; "
+            "times mean little."
+        )
+    parts += tables_of(lines)
+    if interrupted:
+        parts.append("Interrupted: this is what was measured until then.")
+    return "\n\n".join(parts) + "\n"
 
 
 def _say(message: str) -> None:

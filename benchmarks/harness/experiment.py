@@ -1,29 +1,22 @@
-"""What an experiment is: parts whose shares of work are measured, kept as plain values, and summed up as lines.
+"""What an experiment is: parts whose shares of work are measured, and summed up as lines.
 
-Its plan says how large a run is, what its random numbers begin with, and how it shows that it is alive; its report says
-what was found and where: for people Markdown, for programs JSON.
+Its plan says how large a run is, and what its random numbers begin with.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import partial
-from typing import Any, NamedTuple, TypeVar
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from rich.console import Console
-from rich.progress import Progress
 
 from benchmarks.harness import parallel
-from benchmarks.harness.lines import Line, tables_of
+from benchmarks.harness.lines import Line
 from benchmarks.harness.machine import busy
 from sinuous.base.errors import InputError
-
-Item = TypeVar("Item")
-
-_shown: list[str] = []
-"""What has a progress bar."""
 
 
 @dataclass(frozen=True)
@@ -51,49 +44,16 @@ class Plan:
         """Return random numbers of their own for every experiment, which the seed determines."""
         return np.random.default_rng([self.seed, *stream])
 
-    def track(self, items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
-        """Go through items with a progress bar, in terminals; what runs within shows none of its own.
 
-        The bar has no thread of its own, which would disturb what is timed: it is drawn between two items.
-        """
-        console = Console(stderr=True)
-        if not console.is_terminal or _shown:
-            yield from items
-            return
-        _shown.append(what)
-        try:
-            with Progress(console=console, auto_refresh=False, transient=True) as progress:
-                task = progress.add_task(what, total=total)
-                for item in items:
-                    yield item
-                    progress.update(task, advance=1, refresh=True)
-        finally:
-            _shown.clear()
+class Measured(NamedTuple):
+    """What a share came to, and what share of the processor other processes had before or after, 0 to 1."""
+
+    values: Any
+    busy: float
 
 
-Piece = tuple[str, Callable[[], Any]]
-"""A name, and what to call for plain values: some seconds of work, which an interrupt may cost."""
-
-
-@dataclass
-class Findings:
-    """What an experiment found.
-
-    Attributes
-    ----------
-    lines : list of Line
-        Figures, to be printed as tables.
-    busy : float
-        Largest share of the processor that other processes had before or after a piece, 0 to 1.
-    """
-
-    lines: list[Line] = field(default_factory=list)
-    busy: float = 0.0
-
-    @property
-    def correct(self) -> bool:
-        """Whether every goal of correctness was held; speed is another matter."""
-        return all(line.held is not False for line in self.lines if line.correctness)
+Piece = tuple[str, Callable[[], Measured]]
+"""A name, and what to call: some seconds of work, which an interrupt may cost."""
 
 
 class Divided(NamedTuple):
@@ -102,9 +62,9 @@ class Divided(NamedTuple):
     Attributes
     ----------
     shares : list of callable
-        Each returns plain values.
+        Each returns what can be pickled.
     summed : callable
-        From the plain values of shares, in their order, to the lines. After an interrupt some are missing.
+        From what shares returned, in their order, to the lines. After an interrupt some are missing.
     """
 
     shares: Sequence[Callable[[], Any]]
@@ -143,7 +103,9 @@ class Experiment:
     @classmethod
     def of(cls, name: str, plan: Plan, measured: Mapping[str, Part]) -> "Experiment":
         """Return one of parts that are measured in one go each."""
-        parts = {part: Divided([partial(_plain_lines, measure, plan)], _read) for part, measure in measured.items()}
+        parts = {
+            part: Divided([partial(_listed, measure, plan)], chain.from_iterable) for part, measure in measured.items()
+        }
         return cls(name, plan, parts)
 
     def only(self, patterns: Sequence[str]) -> "Experiment":
@@ -157,81 +119,20 @@ class Experiment:
             for piece, share in zip(_names(name, part), part.shares, strict=True):
                 yield piece, partial(_measured, share)
 
-    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
-        """Do pieces, and yield name and values of each as soon as it is done."""
+    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Measured]]:
+        """Do pieces, and yield name and result of each as soon as it is done."""
         if self.abreast and not self.plan.quick:
             yield from parallel.as_done(pieces)
         else:
             yield from ((name, measure()) for name, measure in pieces)
 
-    def findings(self, pieces: dict[str, Any]) -> Findings:
-        """Sum up all parts of which something was measured, from the values of pieces by their names."""
+    def lines(self, pieces: Mapping[str, Measured]) -> list[Line]:
+        """Sum up all parts of which something was measured, from the results of pieces by their names."""
         lines: list[Line] = []
         for name, part in self.parts.items():
-            there = [pieces[piece]["values"] for piece in _names(name, part) if piece in pieces]
+            there = [pieces[piece].values for piece in _names(name, part) if piece in pieces]
             lines += part.summed(there) if there else []
-        return Findings(lines, max((measured["busy"] for measured in pieces.values()), default=0.0))
-
-
-BUSY = 0.1
-"""Share of the processor that other processes may have before times mean little."""
-
-
-@dataclass(frozen=True)
-class Report:
-    """The findings of one run.
-
-    Attributes
-    ----------
-    experiment : Experiment
-    machine : dict of str to str
-    findings : Findings
-    interrupted : bool
-        Whether some of the pieces are missing.
-    """
-
-    experiment: Experiment
-    machine: dict[str, str]
-    findings: Findings
-    interrupted: bool = False
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values for JSON; times in seconds."""
-        plan, found = self.experiment.plan, self.findings
-        return {
-            "experiment": self.experiment.name,
-            "machine": self.machine,
-            "seed": plan.seed,
-            "quick": plan.quick,
-            "rounds": plan.rounds,
-            "settings": dict(self.experiment.settings),
-            "protocol": self.experiment.protocol,
-            "interrupted": self.interrupted,
-            "correct": found.correct,
-            "busy": found.busy,
-            "lines": [{**asdict(line), "held": line.held} for line in found.lines],
-        }
-
-    def to_text(self) -> str:
-        """Return the report for people, as Markdown."""
-        plan, found = self.experiment.plan, self.findings
-        shown = {**self.machine, "seed": str(plan.seed)}
-        if self.experiment.protocol:
-            shown["protocol"] = self.experiment.protocol
-        if plan.rounds > 1:
-            shown["rounds"] = str(plan.rounds)
-        parts = ["\n".join(f"- {key}: {value}" for key, value in shown.items() if value != "not installed")]
-        if plan.quick:
-            parts.append("A quick run: counts are cut down, figures mean little.")
-        if found.busy > BUSY:
-            parts.append(
-                f"BUSY: other processes had up to {100.0 * found.busy:.0f} % of the processor while this was measured; "
-                "times mean little."
-            )
-        parts += tables_of(found.lines)
-        if self.interrupted:
-            parts.append("Interrupted: this is what was measured until then.")
-        return "\n\n".join(parts) + "\n"
+        return lines
 
 
 def chosen(names: Sequence[str], patterns: Sequence[str]) -> frozenset[str]:
@@ -251,20 +152,15 @@ def chosen(names: Sequence[str], patterns: Sequence[str]) -> frozenset[str]:
     return frozenset(found)
 
 
-def _plain_lines(measure: Part, plan: Plan) -> list[dict[str, Any]]:
-    return [asdict(line) for line in measure(plan)]
-
-
-def _read(values: list[list[dict[str, Any]]]) -> list[Line]:
-    return [Line.of(plain) for lines in values for plain in lines]
+def _listed(measure: Part, plan: Plan) -> list[Line]:
+    return list(measure(plan))
 
 
 def _names(name: str, part: Divided) -> list[str]:
     return [name, *(f"{name}, share {share}" for share in range(1, len(part.shares)))]
 
 
-def _measured(share: Callable[[], Any]) -> dict[str, Any]:
-    """Measure a share, and how busy the machine is before and after."""
+def _measured(share: Callable[[], Any]) -> Measured:
     before = busy()
     values = share()
-    return {"busy": max(before, busy()), "values": values}
+    return Measured(values, max(before, busy()))

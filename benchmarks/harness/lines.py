@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -109,24 +108,6 @@ class Line:
     def correctness(self) -> bool:
         """Whether the goal is one of correctness."""
         return self.goal is not None and self.goal.correctness
-
-    @classmethod
-    def of(cls, plain: dict[str, Any]) -> "Line":
-        """Return the line whose attributes a journal holds; NaN where JSON has null for a number."""
-        goal, times, solved = plain["goal"], dict(plain["times"] or {}), plain["solved"]
-        read: dict[str, Any] = {
-            "reached": _number(plain["reached"]),
-            "goal": goal and Goal(**goal),
-            "times": Times(times.pop("count"), **{key: _number(value) for key, value in times.items()})
-            if times
-            else None,
-            "solved": solved and tuple(solved),
-        }
-        return cls(**(plain | read))
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value
 
 
 def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:

@@ -120,25 +120,6 @@ def body_points(robot: Robot, q: Floats, samples: int) -> tuple[Floats, Floats]:
     return points, before[..., None] + parts[..., 2]
 
 
-def twist_norm(have: Floats, want: Floats) -> Floats:
-    """Norms (...) of the twists that take poses `have` (..., 4, 4) to poses `want`, in the frame of `have`.
-
-    The twist is the logarithm in se(3): rotation (rad) and translation (length) together, as the literature on three
-    segments of length 1 measures its errors.
-    """
-    back = np.swapaxes(have[..., :3, :3], -1, -2)
-    turn = back @ want[..., :3, :3]
-    shift = np.einsum("...ij,...j->...i", back, want[..., :3, 3] - have[..., :3, 3])
-    omega = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_rotvec().reshape(shift.shape)
-    angle = np.linalg.norm(omega, axis=-1)
-    safe = np.maximum(angle, 1e-4)  # below, the factor is 1 / 12 to eight digits
-    factor = (1.0 - 0.5 * safe / np.tan(0.5 * safe)) / safe**2
-    once = np.cross(omega, shift)
-    move = shift - 0.5 * once + factor[..., None] * np.cross(omega, once)
-    norms: Floats = np.sqrt(angle**2 + (move**2).sum(axis=-1))
-    return norms
-
-
 def bend_caps(robot: Robot, lengths: Floats) -> Floats:
     """Largest bends (..., n) that the limits leave to segments of lengths (..., n)."""
     caps = np.broadcast_to([segment.max_bend for segment in robot.segments], lengths.shape).copy()

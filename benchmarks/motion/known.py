@@ -423,7 +423,7 @@ def examine(place: tuple[str, int]) -> Trial:
 def measure(plan: Plan, family: str) -> Iterator[Line]:
     """Plan into places of one family."""
     places = [(family, 1000 * plan.seed + STRIDE * i) for i in range(plan.count(COUNT, QUICK))]
-    yield from lines_of(family, list(plan.track(in_processes(examine, places, alone=plan.quick), family, len(places))))
+    yield from lines_of(family, list(in_processes(examine, places, alone=plan.quick)))
 
 
 def lines_of(family: str, trials: Sequence[Trial]) -> Iterator[Line]:

@@ -202,12 +202,12 @@ def measure(plan: Plan, segments: int, density: int, to_target: bool = False) ->
         Task(segments, density, i, plan.seed, to_target, compared=compares and i < COMPARED)
         for i in range(plan.count(COUNT, QUICK))
     ]
-    trials = list(plan.track(in_processes(examine, tasks, alone=plan.quick), what, len(tasks)))
+    trials = list(in_processes(examine, tasks, alone=plan.quick))
     limit, share = (0.5, 98.0) if to_target else (1.0, 99.0) if segments == 8 else (0.1, 99.5) if plain else (1.0, 97.0)
     yield from lines_of(what, trials, limit, share)
     if plain:
         tasks = [task._replace(shortcuts=10, compared=False) for task in tasks]
-        shorter = list(plan.track(in_processes(examine, tasks, alone=plan.quick), what, len(tasks)))
+        shorter = list(in_processes(examine, tasks, alone=plan.quick))
         yield Line(SHORTENED, what, median(trial.seconds for trial in shorter), "ms")
         yield _false(what + ", shortened", shorter)
 

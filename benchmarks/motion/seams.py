@@ -211,7 +211,7 @@ def items(part: str, plan: Plan) -> list[tuple[str, int, bool]]:
 def measure(plan: Plan, part: str) -> Iterator[Line]:
     """Follow the paths of a part."""
     asked = items(part, plan)
-    found = list(plan.track(in_processes(follow, asked, alone=plan.quick), part, len(asked)))
+    found = list(in_processes(follow, asked, alone=plan.quick))
     count, section = len(found), f"{part}: {len(asked)} paths of which every waypoint can be reached"
     solved = [one for one in found if one.status == "solved"]
     ways = {"waypoint after waypoint": [one.plain for one in found], "track": [one.status for one in found]}

@@ -51,7 +51,7 @@ def measure(plan: Plan, segments: int) -> Iterator[Line]:
     for spheres in SPHERES:
         what = f"{segments} segments, {spheres} spheres"
         paths = [(segments, spheres, 1000 * plan.seed + i) for i in range(plan.count(SEEDS, 1))]
-        followed = list(plan.track(in_processes(follow, paths, alone=plan.quick), what, len(paths)))
+        followed = list(in_processes(follow, paths, alone=plan.quick))
         times = Times.of([second for one in followed for second in one.seconds])
         solved, reached, around = (
             sum(getattr(one, name) for one in followed) for name in ("solved", "reached", "reconfigured")

@@ -1,39 +1,22 @@
-"""Whether memory grows over many solves, how many a second arrays bring, and what a second thread adds."""
+"""Whether memory grows over many solves; `many` measures what a second thread adds."""
 
 import os
 import tracemalloc
 from collections.abc import Iterator
 from itertools import cycle, islice
 from pathlib import Path
-from statistics import median
-from time import perf_counter
-from typing import Any
-
-import numpy as np
 
 from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line
-from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable
-from sinuous.problem.target import GoalArrays
+from benchmarks.problems import ProblemSet, among_spheres, arm
 from sinuous.solver.solver import Solver
 
 SECTION = "endurance"
-ROUNDS = 5
 
 
 def measure(plan: Plan) -> Iterator[Line]:
-    """Memory first, then threads."""
-    spheres = among_spheres(arm(5, 2.4, radius=4.0), 40, plan.count(500, 20), plan.rng(6))
-    yield from _memory(plan, spheres)
-    long = among_spheres(arm(20, 1.2, radius=4.0), 40, plan.count(200, 5), plan.rng(7))
-    free = reachable(arm(5, 2.4), plan.count(1000, 20), plan.rng(8))
-    for what, problems, rate in (
-        ("5 segments, positions and directions", free, Goal(400_000, at_most=False)),
-        ("3 inextensible segments, full poses", full_poses(0, plan.count(1000, 20)), None),
-        ("5 segments, 40 spheres", spheres, None),
-        ("20 segments, 40 spheres", long, None),
-    ):
-        yield from _arrays(plan, what, problems, rate)
+    """Solve again and again among spheres."""
+    yield from _memory(plan, among_spheres(arm(5, 2.4, radius=4.0), 40, plan.count(500, 20), plan.rng(6)))
 
 
 def _memory(plan: Plan, problems: ProblemSet) -> Iterator[Line]:
@@ -69,38 +52,3 @@ def _resident() -> int:
 def _one_by_one(solver: Solver, problems: ProblemSet, count: int) -> None:
     for target in islice(cycle(problems.targets), count):
         solver.solve(target)
-
-
-def _arrays(plan: Plan, what: str, problems: ProblemSet, rate: Goal | None) -> Iterator[Line]:
-    """Poses a second through arrays with one worker and with two, and their ratio: medians of several rounds."""
-    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
-    goals = _goals(problems, plan.count(20_000, 100))
-    positions: Any = goals["positions"]
-    count = len(positions)
-    rounds = [[count / _seconds(solver, goals, workers) for workers in (1, 2)] for _ in range(plan.count(ROUNDS, 1))]
-    note = f"{count} poses, median of {len(rounds)} rounds"
-    for workers, goal in ((1, None), (2, rate)):
-        reached = median(each[workers - 1] for each in rounds)
-        named = f"{what}, arrays, {workers} worker{'s' if workers > 1 else ''}"
-        yield Line(SECTION, named, reached, "/s", goal, note=note)
-    ratios = [two / one for one, two in rounds]
-    note += ": " + ", ".join(f"{ratio:.2f}" for ratio in ratios)
-    goal = Goal(1.7, at_most=False)
-    yield Line(SECTION, f"two threads over one, {what}, solve_many", median(ratios), "x", goal, note=note)
-
-
-def _goals(problems: ProblemSet, count: int) -> GoalArrays:
-    """Targets as arrays, as many as asked for, over and over again."""
-
-    def column(name: str) -> Any:
-        values = [getattr(target, name) for target in problems.targets]
-        return None if values[0] is None else np.resize(np.array(values), (count, *values[0].shape))
-
-    positions, directions, rotations = (column(name) for name in ("position", "direction", "rotation"))
-    return {"positions": positions, "directions": directions, "rotations": rotations, "xyzw": None}
-
-
-def _seconds(solver: Solver, goals: GoalArrays, workers: int) -> float:
-    began = perf_counter()
-    solver.solve_many(**goals, workers=workers)
-    return perf_counter() - began

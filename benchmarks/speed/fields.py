@@ -1,4 +1,4 @@
-"""Large meshes and live clouds: time to prepare a mesh, what it adds to a solve, and how fast a cloud is replaced."""
+"""Large meshes: time to prepare one, and what it adds to a solve; `motion` replaces clouds in control loops."""
 
 import os
 import tempfile
@@ -11,22 +11,18 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.lines import Goal, Line
 from benchmarks.places.parts.surfaces import Surface, ball, solid
 from benchmarks.problems import arm, reachable
 from benchmarks.speed.solves import solve_all
 
-SECTION = "large meshes and live clouds"
+SECTION = "large meshes"
 SIDES = 224
 """Of a ball, around and from pole to pole: 99,904 triangles."""
 
-POINTS = 50_000
-RESOLUTION = 0.01
-"""Of the cloud, in the edge of the cube that it fills."""
-
 
 def measure(plan: Plan) -> Iterator[Line]:
-    """Prepare a mesh with and without the samples on disk, solve beside it, and replace a cloud again and again."""
+    """Prepare a mesh with and without the samples on disk, and solve beside it."""
     surface = ball(np.zeros(3), 1.0, plan.count(SIDES, 32))
     with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, {"XDG_CACHE_HOME": folder}):
         sn.Scene([solid(ball(np.zeros(3), 1.0, 18), "ball")]).prepare()  # loads the kernels, or compiles them
@@ -38,7 +34,6 @@ def measure(plan: Plan) -> Iterator[Line]:
         seconds = _seconds(sn.Scene([solid(surface, "ball")]))
         yield Line(SECTION, f"{what}, samples from disk", seconds, "s", Goal(1.0))
         yield from _beside(plan, surface)
-    yield _updates(plan)
 
 
 def _seconds(scene: sn.Scene) -> float:
@@ -51,27 +46,12 @@ def _beside(plan: Plan, surface: Surface) -> Iterator[Line]:
     """Solve the same problems without a mesh, and with one out of reach."""
     free = reachable(arm(5, 2.4, radius=4.0), plan.count(500, 20), plan.rng(11))
     unit = free.robot.mean_length
-    alone = solve_all(plan, free, "nothing")
+    alone = solve_all(free)
     far = replace(
         free, scene=sn.Scene([sn.Mesh(0.4 * unit * surface.vertices + [1.8 * unit, 0.0, 0.0], surface.faces)])
     )
-    beside = solve_all(plan, far, "a mesh out of reach")
+    beside = solve_all(far)
     added = beside.times.median - alone.times.median
     what = f"{len(surface.faces)} triangles out of reach add to a solve of 5 segments"
     note = f"{1e6 * alone.times.median:.1f} us without; {beside.complaint}".rstrip("; ")
     yield Line(SECTION, what, max(added, 0.0), "us", Goal(20e-6), beside.times, beside.solved, note)
-
-
-def _updates(plan: Plan) -> Line:
-    """Replace a cloud in a cube of edge 1, as a camera does, and count how often a second that goes."""
-    rng = plan.rng(12)
-    clouds = [np.round(rng.random((POINTS, 3)) / RESOLUTION) * RESOLUTION for _ in range(plan.count(20, 2))]
-    scene = sn.Scene([sn.PointCloud(clouds[0], 0.5 * RESOLUTION)])
-    scene.update(clouds[0])
-    seconds = []
-    for cloud in clouds:
-        began = perf_counter()
-        scene.update(cloud)
-        seconds.append(perf_counter() - began)
-    times = Times.of(seconds)
-    return Line(SECTION, f"updates of a cloud of {POINTS} points", 1.0 / times.median, "/s", Goal(10.0, False), times)

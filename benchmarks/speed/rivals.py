@@ -178,7 +178,7 @@ def measure(plan: Plan) -> Iterator[Line]:
     }
     found: dict[str, list[tuple[Floats, float]]] = {name: [] for name in solvers}
     blocks = [problems.targets[i : i + BLOCK] for i in range(0, len(problems.targets), BLOCK)]
-    for block in plan.track(blocks, "against others", len(blocks)):
+    for block in blocks:
         for name, (solve, _) in solvers.items():
             solve(block[0])
             found[name] += [solve(target) for target in block]

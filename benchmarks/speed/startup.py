@@ -17,16 +17,13 @@ SECTION = "fresh processes, from start to end, with the interpreter's own start"
 
 IMPORT = "import sinuous"
 HELP = "import sys; sys.argv = ['sinuous', '--help']; from sinuous.cli.app import main; main()"
-FREE = """
+SOLVE = """
 import sinuous as sn
 robot = sn.Robot.uniform(5, (45, 70), 2.4, radius=4, base=sn.pose(direction=(0, 0, -1)))
-scene = None
-"""
-ASK = """
-solution = sn.solve(robot, sn.Target((-10, 40, -260), direction=(0, 0.2169, -0.9762)), scene)
+target = sn.Target((-10, 40, -260), direction=(0, 0.2169, -0.9762))
+solution = sn.solve(robot, target, [sn.Sphere((0, 80, -120), 25)])
 assert solution.solved, solution
 """
-SOLVE = FREE + "scene = sn.Scene([sn.Sphere((0, 80, -120), 25)])" + ASK
 ROOT = Path(__file__).parents[2]
 README = (
     "import sys; sys.argv = ['sinuous', 'solve', 'examples/insertion_room.yaml']; "
@@ -46,8 +43,6 @@ def measure(plan: Plan) -> Iterator[Line]:
     yield _line("sinuous --help", HELP, repeats, Goal(0.3))
     yield _line("first solve, compiled before", SOLVE, repeats, Goal(1.2))
     if not plan.quick:
-        yield _first("first solve ever, nothing compiled, and said so", FREE + ASK, Goal(10.0))
-        yield _first("the same among obstacles", SOLVE, Goal(10.0))
         yield _later("on all cores", README, repeats)
         yield _later("on one core", ONE_CORE + README, repeats)
         with _busy(LOAD):
@@ -75,12 +70,6 @@ def _run(code: str, environment: dict[str, str]) -> _Run:
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, cwd=ROOT)
     seconds = perf_counter() - began
     return _Run(seconds, run.stderr, "" if run.returncode == 0 else (run.stderr.split("\n")[-2:-1] or ["failed"])[0])
-
-
-def _first(what: str, code: str, goal: Goal) -> Line:
-    run = _run_from_nothing(code, "auto")
-    note = run.complaint or "nothing was said of compiling" * ("compiled" not in run.said)
-    return Line(SECTION, what, float("inf") if note else run.seconds, "s", goal, note=note)
 
 
 def _run_from_nothing(code: str, mode: str) -> _Run:

@@ -1,7 +1,7 @@
 """`python -m benchmarks wild`: anything that can be built, with a hidden solution each, and every claim judged."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -53,6 +53,6 @@ def wild(plan: Plan) -> Experiment:
     return Experiment("wild", plan, parts)
 
 
-def made(judge: Callable[[int, int], Sequence[Any]], seed: int, numbers: range) -> list[list[Any]]:
+def made(judge: Callable[[int, int], trials.Judged], seed: int, numbers: range) -> list[trials.Judged]:
     """Make and judge motions, or calls."""
-    return [list(judge(seed, number)) for number in numbers]
+    return [judge(seed, number) for number in numbers]

@@ -147,43 +147,31 @@ def _at_targets(world: World, problems: list[int], robot: Any, q: Floats) -> Fla
     return good
 
 
-def tallied(make: Callable[[int], World], numbers: range) -> dict[str, Any]:
-    """Solve and judge worlds: times, and names of what is not solved, late, or false, as plain values."""
+def tallied(make: Callable[[int], World], numbers: range) -> list[tuple[str, Trial]]:
+    """Solve and judge worlds; return names of problems, and what came of them."""
     examine(make(numbers[0]))  # loads what is compiled, which nobody's time should count
-    seconds, failed, late, false = list[float](), list[str](), list[str](), list[str]()
-    for number in numbers:
-        for i, trial in enumerate(examine(make(number))):
-            name = f"{number}.{i}"
-            seconds.append(round(trial.seconds, 7))
-            if not trial.solved or trial.seconds > LIMIT:
-                failed.append(f"{name} {trial.status}{', late' if trial.seconds > LIMIT else ''}")
-            elif trial.seconds > QUICK:
-                late.append(name)
-            false += [f"{name} {kind}" for kind in trial.false]
-    return {"seconds": seconds, "failed": failed, "late": late, "false": false}
+    return [(f"{number}.{i}", trial) for number in numbers for i, trial in enumerate(examine(make(number)))]
 
 
-def lines_of(section: str, what: str, most: float, parts: Sequence[dict[str, Any]]) -> Iterator[Line]:
+def lines_of(section: str, what: str, most: float, shares: Sequence[Sequence[tuple[str, Trial]]]) -> Iterator[Line]:
     """Sum up worlds: how many problems are not solved in time, at most so many of `MANY`, and false claims."""
-    seconds, failed, late, false = (
-        [value for part in parts for value in part[key]] for key in ("seconds", "failed", "late", "false")
-    )
-    count, times = len(seconds), Times.of(seconds)
-    for limit, goal, names in ((LIMIT, Goal(most), failed), (QUICK, None, [*failed, *late])):
+    trials = [each for share in shares for each in share]
+    count, times = len(trials), Times.of([trial.seconds for _, trial in trials])
+    for limit, goal in ((LIMIT, Goal(most)), (QUICK, None)):
+        names = [f"{name} {one.status}" for name, one in trials if not one.solved or one.seconds > limit]
         told, solved = f"{what}, not solved and found right by the judges within {limit:g} s", count - len(names)
         yield Line(section, told, MANY * len(names) / count, UNIT, goal, times, (solved, count), named(names))
+    false = [f"{name} {kind}" for name, trial in trials for kind in trial.false]
     yield Line(section, f"{what}, false claims", len(false), "", Goal(0, correctness=True), note=named(false))
 
 
 def lines_of_judged(
-    section: str, kind: str, good: str, false: str, shares: Sequence[Sequence[Sequence[Any]]]
+    section: str, kind: str, good: str, false: str, shares: Sequence[Sequence[Judged]]
 ) -> Iterator[Line]:
-    """Sum up motions or calls of one kind, of which shares hold plain values: how many are good, and which false."""
-    judged = [Judged(*each) for share in shares for each in share]
-    count, wrong = (
-        sum(each.good for each in judged),
-        [f"{i}: {each.false}" for i, each in enumerate(judged) if each.false],
-    )
+    """Sum up motions or calls of one kind: how many are good, and which false."""
+    judged = [each for share in shares for each in share]
+    count = sum(each.good for each in judged)
+    wrong = [f"{i}: {each.false}" for i, each in enumerate(judged) if each.false]
     yield Line(section, f"{kind}: {good}", 100.0 * count / len(judged), "%", None, None, (count, len(judged)))
     yield Line(section, f"{kind}: {false}", len(wrong), "", Goal(0, correctness=True), note=named(wrong))
 

@@ -3,7 +3,6 @@
 Poses of arms with joints, solved and judged.
 """
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import pytest
 import sinuous as sn
 from benchmarks import clutter, derivatives, joints, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
-from benchmarks.clutter import Attempt, Trial, examine
+from benchmarks.clutter import Trial, examine
 from benchmarks.harness.conduct import conduct
 from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Line
@@ -53,9 +52,8 @@ def test_experiments_run_at_their_smallest_size(name: str, tmp_path: Path, monke
     monkeypatch.setattr(derivatives, "BESIDE", 1)
     monkeypatch.setattr(methods, "METHODS", ("newton", "opti_path", "dls"))
     assert conduct(experiment(name, Plan(1, quick=True), SMALL[name]), tmp_path) == 0
-    report, text = json.loads((tmp_path / f"{name}.json").read_text()), (tmp_path / f"{name}.md").read_text()
-    assert report["correct"]
-    assert len(report["lines"]) >= len(SMALL[name])
+    text = (tmp_path / f"{name}.md").read_text()
+    assert text.count("\n| ") >= 3 * max(1, len(SMALL[name]))
     if KNOWN[name].module == "methods":
         assert "\n| newton" in text
 
@@ -74,16 +72,16 @@ def test_places_are_solved_in_all_ways(
     assert all(row[3].split("/")[0] == row[3].split("/")[1] and row[4] == "0" for row in rows)
 
 
-RIGHT = Attempt(1e-5, 1e-5, "solved", "arc", True, True)
-LIE = Attempt(1e-5, 1e-5, "solved", "arc", True, False)
-MISSED = Attempt(1e-2, 1e-2, "blocked", "random", False, False)
-EXCUSE = Attempt(1e-5, 1e-5, "no_route", "arc", False, False)
-LATE = Attempt(1.5, 1.5, "solved", "route", True, True)
+RIGHT = Trial(0, 1e-5, "solved", "arc", True, True)
+LIE = Trial(0, 1e-5, "solved", "arc", True, False)
+MISSED = Trial(0, 1e-2, "blocked", "random", False, False)
+EXCUSE = Trial(0, 1e-5, "no_route", "arc", False, False)
+LATE = Trial(0, 1.5, "solved", "route", True, True)
 
 
-def summed(*ours: Attempt, arc: Attempt = RIGHT) -> dict[str, Line]:
-    found = [Trial(seed, 1e-3, attempt, arc) for seed, attempt in enumerate(ours)]
-    return {line.section: line for line in clutter.lines_of("spheres 12", found)}
+def summed(*trials: Trial) -> dict[str, Line]:
+    found = [trial._replace(seed=seed) for seed, trial in enumerate(trials)]
+    return {line.section: line for line in clutter.lines_of("spheres 12", [found])}
 
 
 def test_of_places_only_what_a_judge_confirms_in_time_is_solved() -> None:
@@ -94,9 +92,8 @@ def test_of_places_only_what_a_judge_confirms_in_time_is_solved() -> None:
 
 
 @pytest.mark.parametrize("wrong", [LIE, EXCUSE])
-def test_lies_and_excuses_are_defects(wrong: Attempt) -> None:
-    for lines in (summed(RIGHT, wrong), summed(RIGHT, RIGHT, arc=wrong)):
-        assert lines[clutter.FALSE].verdict == "WRONG"
+def test_lies_and_excuses_are_defects(wrong: Trial) -> None:
+    assert summed(RIGHT, wrong)[clutter.FALSE].verdict == "WRONG"
     assert summed(RIGHT, MISSED, LATE)[clutter.FALSE].held
 
 
@@ -104,10 +101,10 @@ def test_a_solver_that_lies_or_gives_up_about_a_place_is_found_out(monkeypatch: 
     """Answers without obstacles, handed over as if they were solved among them; and what is called blocked."""
     with monkeypatch.context() as patch:
         patch.setattr(clutter, "Solver", lambda robot, _scene, **options: sn.Solver(robot, **options))
-        assert any(examine("spheres 100", seed).ours.false for seed in range(4))
+        assert any(examine("spheres 100", seed).false for seed in range(4))
     monkeypatch.setattr(Solution, "solved", property(lambda _: False))
     monkeypatch.setattr(Solution, "status", property(lambda _: Status.TARGET_BLOCKED))
-    assert examine("p3", 0).ours.false
+    assert examine("p3", 0).false
 
 
 def shifted(where: tuple[Any, int], by: float) -> Callable[..., Solution]:
@@ -124,7 +121,7 @@ def test_an_answer_off_its_target_is_a_wrong_claim(monkeypatch: pytest.MonkeyPat
     assert lines["newton"].solved == (0, 2)
     assert "2 off the target" in lines["newton"].note
     assert lines['wrong claims of "solved"'].held is False
-    answers = solve_all(Plan(), paper_poses(), "careless")
+    answers = solve_all(paper_poses())
     assert not answers.confirmed.any()
     assert "FALSE: 0, 1, 2, 3" in answers.complaint
 

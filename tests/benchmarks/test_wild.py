@@ -93,9 +93,9 @@ def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) ->
     made = [Trial("solved", 0.1), Trial("solved", 0.5), Trial("solved", 1.5), Trial("solved", 0.1, (OVERLAP,))]
     monkeypatch.setattr(trials, "examine", lambda _: made)
     part = trials.tallied(lambda number: world([]), range(7, 8))
-    assert (part["failed"], part["late"]) == (["7.2 solved, late", "7.3 solved"], ["7.1"])
     within, quick, false = trials.lines_of("s", "w", 30, [part])
     assert (within.solved, quick.solved, within.held) == ((2, 4), (1, 4), False)
+    assert within.note == "problems: 7.2 solved, 7.3 solved"
     assert (false.reached, false.held, false.note) == (1, False, "problems: 7.3 overlap")
 
 
@@ -189,5 +189,5 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
     monkeypatch.setattr(calls, "CALLS", {"call": (make, ("rates",))})
     found = calls.called(0, 0)
     assert (found.good, found.false.split(" ")[:2]) == (error is None, ["call:", false] if false else [""])
-    _, line = trials.lines_of_judged("s", "calls", "answered", "exceptions", [[list(found), [True, ""]]])
+    _, line = trials.lines_of_judged("s", "calls", "answered", "exceptions", [[found, Judged(True, "")]])
     assert line.reached == bool(false)

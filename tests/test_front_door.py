@@ -42,6 +42,20 @@ def test_a_name_that_has_moved_says_where_it_is(name: str, home: str) -> None:
     assert caught[0].filename == __file__
 
 
+def test_a_module_that_has_moved_says_where_it_is() -> None:
+    with pytest.warns(DeprecationWarning, match=r"sinuous\.robot(\.rates)? is sinuous\.model") as caught:
+        from sinuous.robot.rates import Changes  # type: ignore[import-not-found]
+    from sinuous.model.rates import Changes as New
+
+    assert Changes is New
+    assert caught[-1].filename == __file__
+    with pytest.warns(DeprecationWarning, match=r"sinuous\.errors is sinuous\.base\.errors now"):
+        import sinuous.errors  # type: ignore[import-not-found]
+    assert sinuous.errors.InputError is sn.InputError
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module("sinuous.teleport")
+
+
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="'teleport'"):
         _ = sn.teleport  # type: ignore[attr-defined]
@@ -65,6 +79,23 @@ def test_the_import_brings_nothing_heavy() -> None:
     code = "import sys, sinuous; print(sorted({'numpy', 'numba', 'scipy', 'yaml', 'matplotlib'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@with_each(
+    ("old", "new"),
+    [("hangs", "is Robot.has_external_load now"), ("demands", "is private now"), ("least_demanded", "is private now")],
+)
+def test_an_attribute_that_was_renamed_says_its_name(old: str, new: str) -> None:
+    robot = sn.Robot.uniform(2, 50)
+    with pytest.warns(DeprecationWarning, match=rf"^Robot\.{old} {new}$"):
+        value = getattr(robot, old)
+    assert value in (False, (0.0, 0.0))
+
+
+def test_a_solver_answers_to_its_old_names() -> None:
+    with pytest.warns(DeprecationWarning, match=r"^Solver\.once is private now$"):
+        made = sn.Solver.once(sn.Robot.uniform(2, 50))
+    assert isinstance(made, sn.Solver)
 
 
 def test_a_scene_says_how_it_grows() -> None:

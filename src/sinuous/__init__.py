@@ -4,7 +4,9 @@ What everybody needs is here; the rest is in `sinuous.studies` (what asks the so
 `sinuous.view` (pictures), `sinuous.files` and `sinuous.answer`.
 """
 
-from sinuous.base.entrance import entrance
+import sys
+
+from sinuous.base.entrance import MovedModules, entrance
 
 __version__ = "0.2.0"
 
@@ -50,5 +52,27 @@ _MOVED = {
     "sinuous.view": "animate diagram plot_assessment plot_calibration plot_design plot_reach",
 }
 
+_MOVED_MODULES = {
+    "sinuous.arguments": "sinuous.base.arguments",
+    "sinuous.assessing": "sinuous.studies.tasks",
+    "sinuous.batch": "sinuous.studies.batch",
+    "sinuous.calibration": "sinuous.studies.calibration",
+    "sinuous.derivatives": "sinuous.answer.derivatives",
+    "sinuous.designing": "sinuous.studies.designing",
+    "sinuous.display": "sinuous.view.display",
+    "sinuous.errors": "sinuous.base.errors",
+    "sinuous.exploring": "sinuous.studies.exploring",
+    "sinuous.export": "sinuous.files",
+    "sinuous.export.chain": "sinuous.files.joint_chain",
+    "sinuous.pictures": "sinuous.view.pictures",
+    "sinuous.poses": "sinuous.model.poses",
+    "sinuous.robot": "sinuous.model",
+    "sinuous.solution": "sinuous.answer",
+    "sinuous.solving": "sinuous.solver",
+    "sinuous.workspace": "sinuous.studies.workspace",
+}
+
 __getattr__, __dir__, __all__ = entrance(__name__, _HOMES, "answer files methods studies view", _MOVED)
 __all__ += ["__version__"]
+
+sys.meta_path.insert(0, MovedModules(_MOVED_MODULES))

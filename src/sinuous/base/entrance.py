@@ -1,7 +1,7 @@
 """Entrances of packages: public names are imported when they are first used, so `import sinuous` costs next to nothing.
 
 What a package offers stands in its `__init__.py`, by the module that it is in; the stub beside it says the same to type
-checkers. Names that have moved go on working, and warn.
+checkers. Names and modules that have moved go on working, and warn.
 
 Doors of nouns lead to rooms that import them: `robot.to_urdf()` calls an exporter that the robot does not import.
 A room imports only from rooms that docs/design.md lists before it, also for types. A method that is a door names the
@@ -10,9 +10,14 @@ module that does its work, which is imported when the method is called; its type
 
 import sys
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
-from typing import Any
+from importlib.machinery import ModuleSpec
+from types import MethodType
+from typing import TYPE_CHECKING, Any, cast
+
+if TYPE_CHECKING:
+    from importlib.abc import Loader
 
 
 def entrance(
@@ -38,7 +43,7 @@ def entrance(
         if name in inner:
             return import_module(f"{package}.{name}")
         if name in new_home:
-            warnings.warn(f"{package}.{name} is {new_home[name]}.{name} now", DeprecationWarning, stacklevel=2)
+            warn_moved(f"{package}.{name}", f"{new_home[name]}.{name}", 2)
             return getattr(import_module(new_home[name]), name)
         if name not in of_name:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
@@ -52,6 +57,61 @@ def entrance(
         return sorted({*vars(sys.modules[package]), *of_name, *inner})
 
     return resolve, names, list(of_name)
+
+
+def warn_moved(old: str, new: str, level: int) -> None:
+    """Say by a `DeprecationWarning` where something is now; `level` as in `warnings.warn`."""
+    warnings.warn(f"{old} is {new} now", DeprecationWarning, stacklevel=level + 1)
+
+
+class Renamed:
+    """An attribute that goes on working under its old name, with a warning."""
+
+    def __init__(self, new: str) -> None:
+        self._new = new
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._old = f"{owner.__name__}.{name}"
+
+    def __get__(self, instance: Any, owner: type) -> Any:
+        found = getattr(owner if instance is None else instance, self._new)
+        if instance is None and not isinstance(found, MethodType):  # somebody looks at the class
+            return self
+        place = "private" if self._new.startswith("_") else f"{owner.__name__}.{self._new}"
+        warn_moved(self._old, place, 2)
+        return found
+
+
+class MovedModules:
+    """Finds modules under names that they had before: `import sinuous.robot.rates` imports `sinuous.model.rates`.
+
+    Parameters
+    ----------
+    moved : mapping of str to str
+        New names of packages and modules by old ones.
+    """
+
+    def __init__(self, moved: Mapping[str, str]) -> None:
+        self._moved = moved
+
+    def find_spec(self, name: str, path: Iterable[str] | None = None, target: Any = None) -> ModuleSpec | None:
+        """Find a module that has moved, by itself or within a package that has."""
+        inner, parts, loader = "", name, cast("Loader", self)
+        while "." in parts:
+            if parts in self._moved:
+                return ModuleSpec(name, loader, loader_state=self._moved[parts] + inner)
+            parts, _, last = parts.rpartition(".")
+            inner = f".{last}{inner}"
+        return None
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Let the usual empty module be made, which `exec_module` replaces."""
+
+    def exec_module(self, module: Any) -> None:
+        """Put the module in its new place into the old one."""
+        old, new = module.__name__, module.__spec__.loader_state
+        warn_moved(old, new, 2)
+        sys.modules[old] = import_module(new)
 
 
 def door(module: str) -> Any:

@@ -27,7 +27,7 @@ from sinuous.base.arguments import (
 )
 from sinuous.base.checks import MOST_SEGMENTS, Floats, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.base.documents import counted, described, write_document
-from sinuous.base.entrance import door
+from sinuous.base.entrance import Renamed, door
 from sinuous.base.errors import InputError, answers_attributes, listed, number
 from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.kernels import packing, tables
@@ -454,6 +454,9 @@ class Robot(NotebookMixin, Frozen):
         if self.has_external_load:
             wanted = "none: take robot.changed(gravity=None, payload=None) for the robot without load"
             raise InputError("gravity", "this is computed without loads", self.gravity, wanted)
+
+    hangs, least_demanded = Renamed("has_external_load"), Renamed("_least_clearances")
+    demands, refuse_load = Renamed("_demands_clearance"), Renamed("_refuse_load")
 
     @property
     def notes(self) -> tuple[str, ...]:

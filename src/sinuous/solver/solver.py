@@ -18,6 +18,7 @@ from sinuous.answer.step import Step
 from sinuous.base import checks
 from sinuous.base.arguments import Entry, HasArray, JointsAndBatch, Number, Stack, Truth, Vector, Whole
 from sinuous.base.checks import Floats
+from sinuous.base.entrance import Renamed
 from sinuous.base.errors import InputError, warn_of
 from sinuous.base.frozen import call, text
 from sinuous.base.progress import ProgressBar, no_work, work_time
@@ -166,6 +167,9 @@ class Solver:
         with code_first():
             for use in uses:
                 READY[use](self)
+
+    once, prepared = Renamed("_for_one_query"), Renamed("_of_checked")
+    loaded, build = Renamed("_restore_solution"), Renamed("_first_call")
 
     def solve(
         self,

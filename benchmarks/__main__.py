@@ -48,6 +48,7 @@ KNOWN = {
     "limits": Known("limits of tension in steps and motions of elastic arms, loaded or not", "motion.limits"),
     "derivatives": Known("derivatives of answers: their costs, and whether differences agree", "derivatives"),
     "design": Known("robots for sets of tasks, against random ones and a template", "design"),
+    "joints": Known("arms with joints before the segments, beside an analytic rigid solver", "joints"),
     "real": Known("robots as they are, beside published figures: calibrated, and under load", "real"),
     "workspace": Known("maps of three published robots, against solves at random places", "workspace"),
     "inputs": Known("files in every dialect: right, refused, or noted; wrong units; large meshes", "inputs"),
@@ -65,7 +66,6 @@ TOOLS = {
     "corpus": ("corpus", "some thousand problems with their answers, to hold a change of the code to the last bit"),
     "ways": ("ways", "places solved in several ways: with a memory, explored, attempts switched off"),
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),
-    "joints": ("joints", "inverse kinematics of arms with joints before the segments, beside an analytic rigid solver"),
     "places": ("gallery", "one place again, or a picture of one of each kind"),
 }
 """Commands of their own: module, and what each does."""

@@ -24,12 +24,12 @@ from benchmarks.harness.command import Alone, Record, command, give
 from benchmarks.harness.lines import Times, table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
+from benchmarks.judges.kinematics import tip_poses
 from benchmarks.judges.motions import wrong_in
 from benchmarks.ways import timed
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.model.joints import Fixed, Joint, Revolute
 from sinuous.motion.configurations import distances
 from sinuous.scene.obstacles import Obstacle
 
@@ -44,20 +44,6 @@ PATIENCE = 3.0
 RUNS = 3
 """Plans of each problem, of which the middle one counts: the first may load compiled code."""
 
-PANDA = (
-    (0.0, 0.333, 0.0),
-    (0.0, 0.0, -0.5 * math.pi),
-    (0.0, 0.316, 0.5 * math.pi),
-    (0.0825, 0.0, 0.5 * math.pi),
-    (-0.0825, 0.384, -0.5 * math.pi),
-    (0.0, 0.0, 0.5 * math.pi),
-    (0.088, 0.0, 0.5 * math.pi),
-)
-"""Of every joint of the Panda a before it (m), d (m) and alpha before it (rad): modified Denavit-Hartenberg."""
-
-FLANGE = 0.107
-"""From the last frame to the flange, along z, in m."""
-
 PUBLISHED = (
     "VAMP, for all 700 problems of the Panda itself, edges sampled, not proved (AMD Ryzen 9 7950X, one core; "
     "resources/README.md of KavrakiLab/vamp): 699 solved and valid; a plan 35 us in the median, 343 us for 95 %, "
@@ -65,28 +51,6 @@ PUBLISHED = (
 )
 
 Problem = dict[str, Any]
-
-
-OTHERS = (-2.8973, 2.8973)
-LIMITS = (OTHERS, (-1.7628, 1.7628), OTHERS, (-3.0718, -0.0698), OTHERS, (-0.0175, 3.7525), OTHERS)
-"""Of every joint, in rad."""
-
-CAPSULES = (
-    (((0.0, 0.0, -0.283), (0.0, 0.0, -0.05), 0.06),),
-    (((0.0, 0.0, -0.06), (0.0, 0.0, 0.06), 0.06),),
-    (((0.0, 0.0, -0.22), (0.0, 0.0, -0.07), 0.06),),
-    (((0.0, 0.0, -0.06), (0.0, 0.0, 0.06), 0.06),),
-    (((0.0, 0.0, -0.31), (0.0, 0.0, -0.21), 0.06), ((0.0, 0.08, -0.2), (0.0, 0.08, -0.06), 0.025)),
-    (((0.0, 0.0, -0.07), (0.0, 0.0, 0.01), 0.05),),
-    (((0.0, 0.0, -0.06), (0.0, 0.0, 0.08), 0.04), ((0.0389, 0.0389, 0.082), (0.046, 0.046, 0.082), 0.03)),
-)
-"""Of every link, in the frame after its joint: from, to and radius (m) of the capsules that its maker gives for it.
-
-What stands out from the flange does so half-way between its x and y axes."""
-
-
-NEVER = 2, "j1"
-"""Number of the joint, from 0, whose link never meets another one between its limits, though their capsules do."""
 
 
 class Asked(NamedTuple):
@@ -120,56 +84,31 @@ def arm() -> sn.Robot:
     return sn.Robot([sn.Segment((0.10, 0.26), max_bend=1.8, radius=0.04)] * 6, mount=0.12)
 
 
+@cache
+def panda() -> sn.Robot:
+    """The Panda up to its flange, with the links that its joints move."""
+    return sn.load(Path(__file__).parent / "data/panda.yaml", sn.Robot)
+
+
 def continuum(problem: Problem) -> Asked:
     """Put an arm of six segments at the place of the Panda; its tip is asked where the flange is, and points along."""
-    poses = (flange(problem[end]) for end in ("start", "goal"))
+    poses = (tip_poses(panda(), at[None])[0] for at in _ends(problem))
     start, goal = (sn.Target(pose[:3, 3], direction=pose[:3, 2]) for pose in poses)
     return Asked(arm(), sn.Scene([obstacle(each) for each in problem["obstacles"]]), start, goal)
 
 
-@cache
-def _panda() -> sn.Robot:
-    """The Panda up to its flange."""
-    return sn.Robot(joints=[*panda_joints(CAPSULES), Fixed((0.0, 0.0, FLANGE))])
+def itself(problem: Problem) -> Asked:
+    """Put the Panda there; it is asked for joint values."""
+    return Asked(panda(), sn.Scene([obstacle(each) for each in problem["obstacles"]]), *_ends(problem))
 
 
-def panda(problem: Problem) -> Asked:
-    """Put the Panda there, with the links that its joints move; it is asked for joint values."""
-    robot = _panda()
-    rigid, ends = robot._rigid, []
-    for end in ("start", "goal"):
-        q = np.array([(0.0, 0.0, 0.5 * sum(row.length)) for row in robot.rows])
-        q[rigid.values, rigid.columns] = problem[end]
-        ends.append(q)
-    return Asked(robot, sn.Scene([obstacle(each) for each in problem["obstacles"]]), *ends)
+def _ends(problem: Problem) -> list[Floats]:
+    """Configurations of the Panda at the start and at the goal."""
+    return [panda().with_joints(None, np.array(problem[end])) for end in ("start", "goal")]
 
 
-def panda_joints(capsules: Sequence[Sequence[Any]]) -> list[Joint]:
-    """Return the joints of the Panda, with these capsules for the links that they move."""
-    joints: list[Joint] = []
-    for (a, d, alpha), limits, body in zip(PANDA, LIMITS, capsules, strict=True):
-        origin = np.eye(4)
-        origin[:3, :3] = Rotation.from_euler("x", alpha).as_matrix()
-        origin[:3, 3] = (a, 0.0, 0.0) + d * origin[:3, 2]
-        touches = [NEVER[1]] if len(joints) == NEVER[0] else []
-        joints.append(Revolute((0.0, 0.0, 1.0), limits, origin, body=body, touches=touches))
-    return joints
-
-
-ROBOTS: dict[str, Callable[[Problem], Asked]] = {"continuum": continuum, "panda": panda}
+ROBOTS: dict[str, Callable[[Problem], Asked]] = {"continuum": continuum, "panda": itself}
 """From a problem to what is asked of a robot at the place of the Panda."""
-
-
-def flange(joints: Sequence[float]) -> Floats:
-    """Pose (4, 4) of the flange of the Panda."""
-    pose = np.eye(4)
-    for (a, d, alpha), angle in zip(PANDA, joints, strict=True):
-        before, after = np.eye(4), np.eye(4)
-        before[:3, :3], before[0, 3] = Rotation.from_euler("x", alpha).as_matrix(), a
-        after[:3, :3], after[2, 3] = Rotation.from_euler("z", angle).as_matrix(), d
-        pose = pose @ before @ after
-    pose[:3, 3] += FLANGE * pose[:3, 2]
-    return pose
 
 
 def obstacle(given: dict[str, Any]) -> Obstacle:

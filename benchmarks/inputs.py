@@ -24,6 +24,7 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.places.parts.surfaces import CORNERS, FACES
 from sinuous.base.checks import Floats
 from sinuous.problem.problem import problem_warnings
 from sinuous.studies.batch.tables.reading import open_source
@@ -344,10 +345,7 @@ def _cloud(rng: Generator) -> Floats:
 
 
 def _box(rng: Generator) -> tuple[Floats, Any]:
-    unit = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
-    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    faces = np.array([face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))])
-    return unit * rng.uniform(1.0, 50.0, 3) + rng.normal(scale=50.0, size=3), faces
+    return (CORNERS + 0.5) * rng.uniform(1.0, 50.0, 3) + rng.normal(scale=50.0, size=3), FACES
 
 
 def _finite(points: Floats) -> Floats:

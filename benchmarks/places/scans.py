@@ -1,6 +1,5 @@
 """What a scanner, and what a triangulated model, makes of a place: points on all surfaces, or one mesh."""
 
-import itertools
 import math
 
 import numpy as np
@@ -8,7 +7,7 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
-from benchmarks.places.parts.surfaces import Faces, Surface, joined, solid
+from benchmarks.places.parts.surfaces import CORNERS, FACES, Faces, Surface, joined, solid
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
@@ -106,15 +105,6 @@ def _thinned(points: Floats, cell: float) -> Floats:
 
 GAP = 0.01
 """By how much each box is smaller on every side, in radii of the body: bodies of one mesh may not touch."""
-
-CORNERS = 0.5 * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-FACES = np.array(
-    [
-        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
-        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
-    ]
-)
-"""Of the cube of edge 1 about the origin, faces counterclockwise as seen from outside."""
 
 
 def meshed(draw: Draw, seed: int, rng: Generator) -> Sketch | None:

@@ -1,13 +1,12 @@
 """Obstacles of every kind about given bodies: some just beside them, some anywhere, now and then a room around all."""
 
-import math
-
 import numpy as np
 from numpy.random import Generator
+from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.judges.kinematics import body_places, body_points
-from benchmarks.places.parts.surfaces import Surface, loft
+from benchmarks.places.parts.surfaces import CORNERS, FACES, Surface
 from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
@@ -99,15 +98,7 @@ def _turn(rng: Generator) -> Floats:
 
 def pose_rotation(quaternion: Floats) -> Floats:
     """Rotation (3, 3) of a quaternion of any norm."""
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    rotation: Floats = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    return rotation
+    return Rotation.from_quat(quaternion, scalar_first=True).as_matrix()
 
 
 def _room(points: Floats, radii: Floats, unit: float, rng: Generator) -> Obstacle:
@@ -143,8 +134,4 @@ def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False)
 
 def block_surface(middle: Floats, half: Floats, rotation: Floats) -> Surface:
     """Return the triangles of a box with these halves of edges (3,) along the columns of a rotation (3, 3)."""
-    angles = 0.25 * math.pi + 0.5 * math.pi * np.arange(4)
-    square = math.sqrt(2.0) * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    rings = np.stack([np.column_stack([square, np.full(4, height)]) for height in (-1.0, 1.0)])
-    skin = loft(half * rings, half * np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]))
-    return Surface(skin.vertices @ rotation.T + middle, skin.faces)
+    return Surface(2.0 * half * CORNERS @ rotation.T + middle, FACES)

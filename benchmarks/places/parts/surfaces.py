@@ -1,5 +1,6 @@
 """Closed surfaces of triangles: lofts over rings, watertight because every edge is made twice, and marching cubes."""
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -33,6 +34,16 @@ class Surface(NamedTuple):
     def turned(self) -> "Surface":
         """The same triangles, seen from the other side: the wall of a hollow."""
         return Surface(self.vertices, self.faces[:, ::-1].copy())
+
+
+CORNERS = 0.5 * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+FACES = np.array(
+    [
+        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
+        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
+    ]
+)
+"""Of the cube of edge 1 about the origin, faces counterclockwise as seen from outside."""
 
 
 def solid(surface: Surface, name: str) -> Mesh:
@@ -105,11 +116,11 @@ def hollow(poses: Floats, inside: float, outside: float) -> Surface:
 
 def open_tube(poses: Floats, inside: float, outside: float, bottom: bool = False, sides: int = 16) -> Surface:
     """Return the wall between two radii around a curve, open at both ends, or (`bottom`) only at the last one."""
+    if not bottom:
+        return widening_tube(poses, np.full(len(poses), inside), np.full(len(poses), outside), sides)
     widen = 1.0 / math.cos(math.pi / sides)
     outer = [_ring(pose, outside * widen, 0.0, sides) for pose in poses]
     inner = [_ring(pose, inside * widen, 0.0, sides) for pose in poses]
-    if not bottom:
-        return ring_loft(np.array([*outer, *inner[::-1]]))
     start, tangent = poses[0, :3, 3], poses[0, :3, 2]
     behind = _ring(poses[0], outside * widen, inside - outside, sides)
     return loft(np.array([behind, *outer, *inner[::-1]]), np.array([start - (outside - inside) * tangent, start]))

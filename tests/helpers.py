@@ -10,17 +10,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from sinuous.base.errors import InputError
+import sinuous as sn
 from sinuous.kernels import packing
 from sinuous.kernels import problem as kernels
 from sinuous.kernels.body.rows import IDLE, Rows
 from sinuous.kernels.chain import kinematics as chain
 from sinuous.kernels.chain.arc import SERIES_END
 from sinuous.kernels.fields import distances
-from sinuous.model.robot import Robot, robot_group
-from sinuous.problem.problem import Problem, settings_group
-from sinuous.problem.target import Tolerance
-from sinuous.scene.scene import Scene
+from sinuous.model.robot import robot_group
+from sinuous.problem.problem import settings_group
 from sinuous.scene.snapshot import Snapshot
 
 Floats = NDArray[np.float64]
@@ -153,22 +151,22 @@ def columns_of(q: Floats, base: Floats | None = None) -> Floats:
     return columns
 
 
-def kernel_scene(scene: Scene | Snapshot) -> distances.Scene:
+def kernel_scene(scene: sn.Scene | Snapshot) -> distances.Scene:
     """A scene as the kernels take it."""
     return distances.Scene(*packing.scene_parts(scene.group.copy()))
 
 
-def kernel_groups(problem: Problem) -> tuple[Floats, Floats, Floats, Floats]:
+def kernel_groups(problem: sn.Problem) -> tuple[Floats, Floats, Floats, Floats]:
     """Robot, scene, settings and targets of one problem, as entries take them; nobody else holds them."""
     settings = settings_group(problem.robot, problem.tolerance)
     return robot_group(problem.robot), problem.scene.group.copy(), settings, problem.rows.copy()
 
 
 def kernel_problem(
-    robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None, **changed: Any
+    robot: sn.Robot, targets: Any, scene: Any = None, tolerance: sn.Tolerance | None = None, **changed: Any
 ) -> kernels.Problem:
     """One problem as kernels see it; fields can be changed by name."""
-    return kernels.read_problem(*kernel_groups(Problem(robot, targets, scene, tolerance)))._replace(**changed)
+    return kernels.read_problem(*kernel_groups(sn.Problem(robot, targets, scene, tolerance)))._replace(**changed)
 
 
 def make_rows(segments: int, capacity: int) -> Rows:
@@ -185,9 +183,9 @@ def make_rows(segments: int, capacity: int) -> Rows:
     )
 
 
-def refused(key: str, call: Callable[[], Any], *words: str) -> InputError:
+def refused(key: str, call: Callable[[], Any], *words: str) -> sn.InputError:
     """Demand that a call is refused, in one line that names the key, and return the error."""
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(sn.InputError) as caught:
         call()
     error = caught.value
     text = str(error)

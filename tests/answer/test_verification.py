@@ -11,17 +11,16 @@ from sinuous.answer.verification import _clearances
 from sinuous.answer.worst import find_worst
 from sinuous.base.arguments import SelfCollision
 from sinuous.measures.following import least_clearances
-from sinuous.problem.problem import Problem
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.1, base=sn.pose((1, 2, 3), direction=(1, 1, 0)))
 Q = np.array([[0.5, 0.2, 1.0], [-0.7, 0.4, 0.9], [0.0, 1.1, 1.1], [0.3, -0.3, 1.0]])
 
 
-def problem(**changes: Any) -> Problem:
+def problem(**changes: Any) -> sn.Problem:
     pose = ROBOT.tip(Q)
     targets = changes.get("targets", sn.Target(pose[:3, 3], rotation=pose[:3, :3]))
-    return Problem(ROBOT, targets, changes.get("scene"), sn.Tolerance(1e-4, 1e-3))
+    return sn.Problem(ROBOT, targets, changes.get("scene"), sn.Tolerance(1e-4, 1e-3))
 
 
 def test_obstacles_that_move_are_refused() -> None:
@@ -57,9 +56,9 @@ def test_an_overlap_is_found_and_named() -> None:
 CURLED = np.array([[2.7, 0.1, 1.0], [2.6, 0.0, 1.0], [2.6, 0.1, 1.0]])
 
 
-def through_itself(word: SelfCollision) -> Problem:
+def through_itself(word: SelfCollision) -> sn.Problem:
     robot = sn.Robot.uniform(3, (0.8, 1.2), 3.0, radius=0.15, self_collision=word)
-    return Problem(robot, sn.Target(robot.tip(CURLED)[:3, 3]))
+    return sn.Problem(robot, sn.Target(robot.tip(CURLED)[:3, 3]))
 
 
 def test_a_body_that_runs_through_itself_is_found_and_named() -> None:

@@ -19,9 +19,6 @@ from benchmarks.problems import among_spheres, arm, paper_poses
 from benchmarks.speed import endurance, solves
 from benchmarks.speed.solves import solve_all
 from benchmarks.ways import WAYS
-from sinuous.answer.solution import Solution
-from sinuous.answer.status import Status
-from sinuous.solver.solver import Solver
 from tests.benchmarks.tampering import moved
 
 QUICK = Plan(quick=True)
@@ -100,19 +97,19 @@ def test_a_solver_that_lies_or_gives_up_about_a_place_is_found_out(monkeypatch: 
     with monkeypatch.context() as patch:
         patch.setattr(clutter, "Solver", lambda robot, _scene, **options: sn.Solver(robot, **options))
         assert any(examine("spheres 100", seed).false for seed in range(4))
-    monkeypatch.setattr(Solution, "solved", property(lambda _: False))
-    monkeypatch.setattr(Solution, "status", property(lambda _: Status.TARGET_BLOCKED))
+    monkeypatch.setattr(sn.Solution, "solved", property(lambda _: False))
+    monkeypatch.setattr(sn.Solution, "status", property(lambda _: sn.Status.TARGET_BLOCKED))
     assert examine("p3", 0).false
 
 
-def shifted(where: tuple[Any, int], by: float) -> Callable[..., Solution]:
+def shifted(where: tuple[Any, int], by: float) -> Callable[..., sn.Solution]:
     """A solver whose answers are wrong, without a word."""
-    honest = Solver.solve
+    honest = sn.Solver.solve
     return lambda self, *arguments, **options: moved(honest(self, *arguments, **options), where, by)
 
 
 def test_an_answer_off_its_target_is_a_wrong_claim(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Solver, "solve", shifted((0, 0), 0.1))
+    monkeypatch.setattr(sn.Solver, "solve", shifted((0, 0), 0.1))
     monkeypatch.setattr(methods, "METHODS", ("newton",))
     part = methods.table1(QUICK).parts["A"]
     lines = {line.what: line for line in part.summed([share() for share in part.shares])}
@@ -126,7 +123,7 @@ def test_an_answer_off_its_target_is_a_wrong_claim(monkeypatch: pytest.MonkeyPat
 
 def test_an_answer_that_touches_is_a_wrong_claim() -> None:
     problems = among_spheres(arm(5, 2.4, radius=4.0), 40, 30, np.random.default_rng(3))
-    blind = Solver(problems.robot, tolerance=problems.tolerance)
+    blind = sn.Solver(problems.robot, tolerance=problems.tolerance)
     judge = methods.Judge(problems)
     records = [judge.record(i, blind.solve(target), 1e-5) for i, target in enumerate(problems.targets)]
     touching = [record for record in records if record["clearance"] < -1e-3]
@@ -139,21 +136,21 @@ def test_an_answer_that_touches_is_a_wrong_claim() -> None:
 def test_a_solver_that_lies_in_clutter_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solves, "TARGETS", 20)
     assert solves.examine(1)[1:] == ([], [])
-    monkeypatch.setattr(Solution, "solved", property(lambda _: True))
+    monkeypatch.setattr(sn.Solution, "solved", property(lambda _: True))
     assert any(solves.examine(seed).false for seed in range(5))
 
 
 def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = Solver.solve
+    honest = sn.Solver.solve
     kept: list[object] = []
 
-    def forgetful(self: Solver, target: object) -> Solution:
+    def forgetful(self: sn.Solver, target: object) -> sn.Solution:
         solution = honest(self, target)  # type: ignore[arg-type]
         kept.append((solution, bytearray(b"x") * 4000))
         return solution
 
     assert all(line.held for line in endurance._memory(QUICK, paper_poses()))
-    monkeypatch.setattr(Solver, "solve", forgetful)
+    monkeypatch.setattr(sn.Solver, "solve", forgetful)
     monkeypatch.setattr(Plan, "count", lambda _self, full, _quick: full // 20)
     # What earlier tests have given back may take it all in, so that the process does not grow; Python's count does.
     _, traced = endurance._memory(Plan(), paper_poses())

@@ -28,10 +28,7 @@ from benchmarks.wild.trials import (
     solutions_of,
 )
 from benchmarks.wild.worlds import World
-from sinuous.answer.solution import Solution
-from sinuous.base.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, TARGET_BLOCKED
-from sinuous.problem.target import Tolerance
 from sinuous.statics.rest import bodies_at
 from tests.benchmarks.tampering import moved
 
@@ -42,27 +39,27 @@ BESIDE = [sn.Sphere((0.5, 0.0, 1.5), 0.3)]
 
 def world(obstacles: list[Any], tolerance: float = 1e-6) -> World:
     targets = [[sn.Target((0.0, 0.0, 3.0), direction=(0.0, 0.0, 1.0))]]
-    return World(ROBOT, sn.Scene(obstacles), Tolerance(tolerance, tolerance), targets, STRAIGHT)
+    return World(ROBOT, sn.Scene(obstacles), sn.Tolerance(tolerance, tolerance), targets, STRAIGHT)
 
 
 @pytest.fixture(scope="module")
-def solution() -> Solution:
+def solution() -> sn.Solution:
     (found,), _ = solutions_of(world(BESIDE))
-    assert isinstance(found, Solution)
+    assert isinstance(found, sn.Solution)
     assert found.solved
     return found
 
 
-def changed(solution: Solution, **record: Any) -> Solution:
+def changed(solution: sn.Solution, **record: Any) -> sn.Solution:
     outcome = solution._outcome._replace(**record)
-    return Solution(solution.problem, outcome, solution.seconds, solution._resolver, solution._given)
+    return sn.Solution(solution.problem, outcome, solution.seconds, solution._resolver, solution._given)
 
 
-def kinds(asked: World, said: Solution) -> set[str]:
+def kinds(asked: World, said: sn.Solution) -> set[str]:
     return set(refuted(asked, {0: said})[0])
 
 
-def test_answers_that_lie_are_accused_of_what_is_wrong(solution: Solution) -> None:
+def test_answers_that_lie_are_accused_of_what_is_wrong(solution: sn.Solution) -> None:
     assert kinds(world(BESIDE), solution) == set()
     assert kinds(world(BESIDE), moved(solution, (0, 2), 3e-6)) == {TARGET}
     assert LIMITS in kinds(world(BESIDE, 1.0), moved(solution, (0, 2), 0.3))
@@ -74,7 +71,7 @@ def test_answers_that_lie_are_accused_of_what_is_wrong(solution: Solution) -> No
     assert kinds(world([sn.Sphere((0.5, 0.0, 1.5), 0.41)]), changed(solution, code=2)) == set()  # not solved: no claim
 
 
-def test_what_is_demanded_and_not_kept_is_seen(solution: Solution) -> None:
+def test_what_is_demanded_and_not_kept_is_seen(solution: sn.Solution) -> None:
     """The ball is 0.1 from the body."""
     for demand, false in ((0.0999, set()), (0.1001, {DEMAND})):
         assert kinds(replace(world(BESIDE), robot=ROBOT.changed(clearance=demand)), solution) == false
@@ -84,7 +81,7 @@ def test_what_is_demanded_and_not_kept_is_seen(solution: Solution) -> None:
 
 
 @pytest.mark.parametrize("code", [OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE])
-def test_what_is_called_impossible(solution: Solution, code: int) -> None:
+def test_what_is_called_impossible(solution: sn.Solution, code: int) -> None:
     said = changed(solution, code=code)
     assert kinds(world(BESIDE), said) == {str(said.status)}
 
@@ -161,7 +158,7 @@ def test_the_loaded_body_is_judged() -> None:
     q = np.array([[[0.0, 0.0, 1.0]] * 2])
     sunk = robot.shape(q[0]).tip[:3, 3]
     assert sunk[2] < -0.1
-    held = World(robot, sn.Scene(), Tolerance(), [[sn.Target(sunk)]], q, loaded=True)
+    held = World(robot, sn.Scene(), sn.Tolerance(), [[sn.Target(sunk)]], q, loaded=True)
     straight, low = sn.Scene([sn.Sphere((2.0, 0.0, 0.0), 0.05)]), sn.Scene([sn.Sphere(sunk, 0.05)])
     assert motions._refuted(held, straight, q) == ""
     assert motions._refuted(held, low, q) == "overlap"
@@ -172,9 +169,9 @@ def test_the_loaded_body_is_judged() -> None:
     ("error", "false"),
     [
         (None, ""),
-        (InputError("rates[2]", "", 1, "2"), ""),
-        (InputError("scene", "", 1, "2"), ""),
-        (InputError("initial", "", 1, "2"), "InputError"),
+        (sn.InputError("rates[2]", "", 1, "2"), ""),
+        (sn.InputError("scene", "", 1, "2"), ""),
+        (sn.InputError("initial", "", 1, "2"), "InputError"),
         (IndexError("out of range"), "IndexError"),
         (AssertionError("no"), "AssertionError"),
     ],

@@ -27,7 +27,6 @@ from sinuous.answer.verification import verify
 from sinuous.cli import app
 from sinuous.cli.app import main
 from sinuous.motion.job import read_problem
-from sinuous.problem.problem import Problem
 from tests.cli.conftest import GOAL, IN_THE_WAY, PATH, ROBOT, START, Run
 from tests.cli.test_check import DEFECT
 from tests.scene.shapes import cube
@@ -177,7 +176,7 @@ def test_what_is_written_solves_and_is_proved(capsys: pytest.CaptureFixture[str]
     asked = read_problem("my arm.yaml")
     assert asked.notes == ()
     for waypoint, found in zip(asked.waypoints, result.get("waypoints", [result]), strict=True):
-        assert verify(Problem(asked.robot, waypoint, asked.scene, asked.tolerance), np.array(found["q"])).ok
+        assert verify(sn.Problem(asked.robot, waypoint, asked.scene, asked.tolerance), np.array(found["q"])).ok
 
 
 STRAIGHT = "start: [[0, 0, 1], [0, 0, 1], [0, 0, 1]]\n"

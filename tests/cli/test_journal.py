@@ -15,9 +15,7 @@ import pytest
 import sinuous as sn
 from sinuous.cli import journal
 from sinuous.cli.work import read_solution, write_solution
-from sinuous.motion.plan import Planner
 from sinuous.motion.tracker import Tracker
-from sinuous.solver.solver import Solver
 from tests.base.processes import Command, until
 from tests.cli.conftest import Run
 
@@ -63,10 +61,10 @@ def jobs() -> dict[str, list[sn.Job]]:
 
 
 STEPS: dict[str, tuple[type[Any], str]] = {
-    "solve": (Solver, "solve"),
-    "solve --all 3": (Solver, "solve_all"),
+    "solve": (sn.Solver, "solve"),
+    "solve --all 3": (sn.Solver, "solve_all"),
     "track": (Tracker, "go_to"),
-    "plan": (Planner, "plan"),
+    "plan": (sn.Planner, "plan"),
 }
 """What is called for every entry of a journal."""
 

@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from sinuous.answer.solution import Solution
 from sinuous.motion import motion as motion_module
 from sinuous.motion.resampling import lines_between
 from sinuous.motion.tracker import Tracker
@@ -33,7 +32,7 @@ def test_an_interrupt_keeps_the_waypoints_so_far(run: Run, monkeypatch: pytest.M
     go_on = Tracker.go_to
     tried: list[object] = []
 
-    def interrupted(self: Tracker, targets: Any) -> Solution:
+    def interrupted(self: Tracker, targets: Any) -> sn.Solution:
         if len(tried) == 2:
             raise KeyboardInterrupt
         tried.append(targets)

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 import sinuous as sn
-from sinuous.base.errors import InputError
 from sinuous.cli.view import is_loopback
 from sinuous.view.page.page import Page
 from tests.cli.conftest import Run
@@ -53,7 +52,7 @@ def test_without_viser_it_is_said_how_to_get_it(run: Run, monkeypatch: pytest.Mo
 def test_which_addresses_are_this_machine_alone() -> None:
     assert all(map(is_loopback, ("127.0.0.1", "127.3.2.1", "::1", "localhost")))
     assert not any(map(is_loopback, ("0.0.0.0", "192.168.1.4", "::")))
-    with pytest.raises(InputError, match="--host"):
+    with pytest.raises(sn.InputError, match="--host"):
         is_loopback("example.org")
 
 

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.errors import InputError
 from sinuous.files.nouns import HEADERS, parse_path
-from sinuous.problem.target import Target
 from tests.cases import with_each
 
 
@@ -58,7 +56,7 @@ def test_what_is_wrong_is_refused_by_its_place(tmp_path: Path, moving: str, said
     (tmp_path / "bad.csv").write_text("t,x,y,z\n1,0,0,0\n1,0,0,0\n")
     (tmp_path / "untimed.csv").write_text("x,y,z\n0,0,0\n")
     (tmp_path / "pointed.csv").write_text("t,x,y,z,dx,dy,dz\n0,0,0,0,0,0,1\n")
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(sn.InputError) as caught:
         read(tmp_path, moving)
     assert said in str(caught.value)
 
@@ -71,7 +69,7 @@ def test_rows_are_targets_of_their_numbers(header: tuple[str, ...]) -> None:
     assert len(targets) == 50
     for target, row in zip(targets, numbers, strict=True):
         turned: dict[str, Any] = {} if name is None else {name: row[3:]}
-        np.testing.assert_array_equal(target.table, Target(row[:3], **turned).table)
+        np.testing.assert_array_equal(target.table, sn.Target(row[:3], **turned).table)
 
 
 def test_columns_may_stand_in_any_order_with_any_separator() -> None:
@@ -87,7 +85,7 @@ def test_a_column_in_front_has_times() -> None:
     assert [
         target.equals(wanted)
         for target, wanted in zip(
-            targets, [Target((1, 2, 3), direction=(0, 0, 1)), Target((4, 5, 6), direction=(0, 1, 0))], strict=True
+            targets, [sn.Target((1, 2, 3), direction=(0, 0, 1)), sn.Target((4, 5, 6), direction=(0, 1, 0))], strict=True
         )
     ] == [True] * 2
     assert parse_path("x,y,z\n1,2,3\n").times is None
@@ -116,7 +114,7 @@ def test_a_column_in_front_has_times() -> None:
     ],
 )
 def test_refusals_name_the_line(text: str, key: str, problem: str) -> None:
-    with pytest.raises(InputError) as refusal:
+    with pytest.raises(sn.InputError) as refusal:
         parse_path(text)
     assert refusal.value.key.startswith(key)
     assert problem in str(refusal.value)

@@ -8,14 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sinuous.base.errors import InputError
-from sinuous.model.poses import pose
-from sinuous.model.rates import Rates
-from sinuous.motion.job import Job, read_problem
-from sinuous.scene.grids import Grid
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
-from sinuous.scene.point_cloud import PointCloud
+import sinuous as sn
+from sinuous.motion.job import read_problem
 from tests.scene.shapes import cube, together
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
@@ -60,7 +54,7 @@ rates: {bend: 1.5, length: [1, 2, 3, 4], acceleration: {bend: 10}}
 """
 
 
-Read = Callable[[str], Job]
+Read = Callable[[str], sn.Job]
 
 
 @pytest.fixture
@@ -69,7 +63,7 @@ def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Read:
     monkeypatch.chdir(tmp_path)
     Path("timed.csv").write_text("t,x,y,z\n0,0,0,3\n2.5,0,0.1,3\n")
 
-    def read(text: str) -> Job:
+    def read(text: str) -> sn.Job:
         Path("problem.yaml").write_text(text, encoding="utf-8")
         return read_problem("problem.yaml")
 
@@ -82,19 +76,25 @@ def test_every_key_arrives(read: Read) -> None:
     assert [segment.length for segment in robot.segments] == [(0.0, 1.5), (1.0, 1.0), (1.0, 1.0), (0.5, 1.5)]
     assert robot.radii == (0.1, 0.2, 0.2, 0.1)
     assert robot.mount == 0.25
-    np.testing.assert_allclose(robot.base, pose((1, 2, 3), direction=(1, 0, 0)))
-    np.testing.assert_allclose(robot.tool, pose((0, 0, 0.5), rotation=(1, 0, 0, 1)))
+    np.testing.assert_allclose(robot.base, sn.pose((1, 2, 3), direction=(1, 0, 0)))
+    np.testing.assert_allclose(robot.tool, sn.pose((0, 0, 0.5), rotation=(1, 0, 0, 1)))
     tendons, chambers = robot.segments[2].tendons, robot.segments[3].chambers
     assert tendons is not None
     assert chambers is not None
     assert tendons.displacement == (-0.1, 0.1)
     np.testing.assert_allclose(chambers.angles, [0, 2, 4])
-    assert [type(obstacle) for obstacle in scene.obstacles] == [Sphere, Box, Capsule, Cylinder, HalfSpace]
+    assert [type(obstacle) for obstacle in scene.obstacles] == [
+        sn.Sphere,
+        sn.Box,
+        sn.Capsule,
+        sn.Cylinder,
+        sn.HalfSpace,
+    ]
     assert scene.name(0) == "ball"
     assert [[target.segment for target in targets] for targets in problem.waypoints] == [[None, 1]]
     assert (problem.tolerance.position, problem.tolerance.angle) == (1e-3, 0.01)
     assert (problem.prefer.start, problem.prefer.bends, problem.prefer.clearance) == (1.0, 0.5, 0.1)
-    assert problem.rates.equals(Rates(bend=1.5, length=(1, 2, 3, 4), acceleration=Rates(bend=10)))
+    assert problem.rates.equals(sn.Rates(bend=1.5, length=(1, 2, 3, 4), acceleration=sn.Rates(bend=10)))
     assert problem.start is not None
     assert problem.start.shape == (4, 3)
 
@@ -108,13 +108,13 @@ def test_obstacles_from_files_are_found_beside_the_problem(read: Read, tmp_path:
     np.savez(folder / "mask.npz", values=np.ones((2, 2, 2), bool), origin=(5, 5, 5), spacing=0.5)
     scene = read(ROBOT + TARGET + FROM_FILES).scene
     mesh, cloud, grid, _ = scene.obstacles
-    assert isinstance(mesh, Mesh)
+    assert isinstance(mesh, sn.Mesh)
     assert mesh.watertight
     np.testing.assert_allclose(mesh.vertices.max(axis=0), (5, 2, 2), atol=1e-12)
     np.testing.assert_allclose(mesh.vertices.min(axis=0), (3, 0, 0), atol=1e-12)
-    assert isinstance(cloud, PointCloud)
+    assert isinstance(cloud, sn.PointCloud)
     np.testing.assert_allclose(cloud.points, [[0, 0, 0.1], [0, 0, 0.2]])
-    assert isinstance(grid, Grid)
+    assert isinstance(grid, sn.Grid)
     assert grid.occupancy
     assert [scene.name(0), scene.name(2)] == ["c", "mask"]
 
@@ -131,7 +131,7 @@ def test_bodies_of_a_mesh_that_overlap_are_obstacles_of_their_own(read: Read) ->
 @pytest.mark.parametrize("scale", [1e5, 1e-5])
 def test_a_mesh_in_another_unit_is_refused(read: Read, scale: float) -> None:
     Path("sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n")
-    with pytest.raises(InputError, match=r"^problem\.yaml: scene\[0\]\.mesh\.scale: makes ") as caught:
+    with pytest.raises(sn.InputError, match=r"^problem\.yaml: scene\[0\]\.mesh\.scale: makes ") as caught:
         read(ROBOT + TARGET + f"scene: [{{mesh: {{file: sheet.obj, scale: {scale}}}}}]")
     expected = "; expected a mesh in the unit of the robot, which is 3 long, got "
     assert str(caught.value).endswith(f"{expected}{scale}")
@@ -188,7 +188,7 @@ def test_a_long_path_is_read_as_its_targets_are_one_by_one(read: Read, orientati
 )
 def test_one_wrong_target_of_a_long_path_is_named(read: Read, wrong: str) -> None:
     good = "  - {position: [0, 0, 3]}\n"
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(sn.InputError) as caught:
         read(f"{ROBOT}path:\n{30 * good}  - {{position: {wrong}}}\n{good}")
     assert caught.value.key.startswith("path[30].position")
 
@@ -274,7 +274,7 @@ def completed(text: str) -> str:
 )
 def test_bad_input_is_one_line_that_says_where_and_why(read: Read, text: str, refusal: str) -> None:
     began = time.process_time()
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(sn.InputError) as caught:
         read(text)
     assert time.process_time() - began < 0.5
     assert str(caught.value).startswith(f"problem.yaml: {refusal}")
@@ -288,9 +288,9 @@ def test_what_cannot_be_read_is_refused_under_its_own_name(read: Read) -> None:
         ("missing.yaml", "cannot be read: No such file or directory; expected "),
         (".", "cannot be read: "),
     ):
-        with pytest.raises(InputError) as caught:
+        with pytest.raises(sn.InputError) as caught:
             read_problem(file)
         assert str(caught.value).startswith(f"{file}: file: {refusal}")
     Path("earlier.json").write_text('{"q": [[0, 0, NaN]]}')
-    with pytest.raises(InputError, match=r"^earlier\.json: q\[0\]\[2\]: expected a finite number, got nan"):
+    with pytest.raises(sn.InputError, match=r"^earlier\.json: q\[0\]\[2\]: expected a finite number, got nan"):
         read(ROBOT + TARGET + "start: earlier.json")

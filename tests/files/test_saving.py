@@ -19,9 +19,8 @@ from hypothesis import strategies as st
 
 import sinuous as sn
 from sinuous.base.documents import result_value, yaml_text
-from sinuous.base.errors import InputError
 from sinuous.files.documents import json_line, parse_json, parse_yaml, result
-from sinuous.motion.job import Job, job_of, read_problem
+from sinuous.motion.job import job_of, read_problem
 from tests.cases import with_each
 from tests.helpers import random_pose, refused
 from tests.model import test_elastic as elastic
@@ -66,7 +65,7 @@ def names_of(scene: sn.Scene) -> list[str]:
     return [scene.name(i) for i in range(len(scene))]
 
 
-def again(problem: Job) -> Job:
+def again(problem: sn.Job) -> sn.Job:
     return job_of(parse_yaml(yaml_text(problem.to_dict())), "")
 
 
@@ -76,7 +75,7 @@ def test_problems_of_all_kinds(
 ) -> None:
     times = data.draw(st.sampled_from([None, np.arange(len(asked) + 1) / 3]))
     question: Any = {"path": [asked, *asked], "times": times} if is_path else {"target": asked}
-    problem = Job(
+    problem = sn.Job(
         robot,
         scene=scene,
         tolerance=data.draw(st.sampled_from([None, sn.Tolerance(0.1), sn.Tolerance(angle=1e-7)])),
@@ -88,7 +87,7 @@ def test_problems_of_all_kinds(
     found = again(problem)
     assert found.equals(problem)
     assert found.robot.equals(robot)
-    assert not found.equals(Job(robot, asked[0], scene, tolerance=sn.Tolerance(0.2)))
+    assert not found.equals(sn.Job(robot, asked[0], scene, tolerance=sn.Tolerance(0.2)))
 
 
 @pytest.mark.parametrize(
@@ -162,7 +161,7 @@ HELD = {
 
 @pytest.mark.parametrize("name", HELD)
 def test_obstacles_of_arrays_are_written_out(tmp_path: Path, name: str) -> None:
-    problem = Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]])
+    problem = sn.Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]])
     problem.save(tmp_path / "a.yaml")
     assert read_problem(tmp_path / "a.yaml").equals(problem)
     assert os.listdir(tmp_path) == ["a.yaml"]
@@ -170,7 +169,7 @@ def test_obstacles_of_arrays_are_written_out(tmp_path: Path, name: str) -> None:
 
 def test_a_function_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     field = sn.Field(lambda p: p[:, 2] + 9, (0, 0, 0), (1, 1, 1), 1)
-    problem = Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
+    problem = sn.Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
     refused("scene[1]", lambda: problem.save(tmp_path / "a.yaml"), "a file can hold")
     assert os.listdir(tmp_path) == []
 
@@ -234,7 +233,7 @@ def test_files_of_motions_are_checked(tmp_path: Path) -> None:
     ],
 )
 def test_refusals_name_line_or_key(text: str, key: str, problem: str) -> None:
-    with pytest.raises(InputError) as refusal:
+    with pytest.raises(sn.InputError) as refusal:
         parse_json(text)
     assert refusal.value.key.startswith(key)
     assert problem in str(refusal.value)

@@ -8,7 +8,6 @@ import pytest
 import sinuous as sn
 from sinuous.measures import obstacles
 from sinuous.measures.obstacles import Indices, least_distances, measure, that_matter, to_triangles
-from sinuous.scene.mesh import Mesh
 from tests.cases import with_each
 from tests.helpers import Floats
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
@@ -100,8 +99,8 @@ def test_solids_agree_with_libigl(body: Triangles) -> None:
     igl = pytest.importorskip("igl")
     signed = igl.signed_distance(near_points(0), *body, sign_type=igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL)[0]
     assert (signed < 0.0).sum() > 5
-    np.testing.assert_allclose(measure(Mesh(*body), near_points(0)), signed, atol=1e-12)
-    np.testing.assert_allclose(measure(Mesh(*body, inside=True), near_points(0)), -signed, atol=1e-12)
+    np.testing.assert_allclose(measure(sn.Mesh(*body), near_points(0)), signed, atol=1e-12)
+    np.testing.assert_allclose(measure(sn.Mesh(*body, inside=True), near_points(0)), -signed, atol=1e-12)
 
 
 @pytest.mark.parametrize("body", BODIES)
@@ -109,15 +108,17 @@ def test_shells_agree_with_libigl(body: Triangles) -> None:
     igl = pytest.importorskip("igl")
     vertices, faces = body[0], body[1][1:]
     plain = igl.signed_distance(near_points(1), vertices, faces, sign_type=igl.SIGNED_DISTANCE_TYPE_UNSIGNED)[0]
-    np.testing.assert_allclose(measure(Mesh(vertices, faces), near_points(1)), plain, atol=1e-12)
-    np.testing.assert_allclose(measure(Mesh(vertices, faces, thickness=0.3), near_points(1)), plain - 0.15, atol=1e-12)
+    np.testing.assert_allclose(measure(sn.Mesh(vertices, faces), near_points(1)), plain, atol=1e-12)
+    np.testing.assert_allclose(
+        measure(sn.Mesh(vertices, faces, thickness=0.3), near_points(1)), plain - 0.15, atol=1e-12
+    )
 
 
 def test_signs_along_a_curve_that_goes_in_and_out() -> None:
     """Between places that are near each other the sign is taken over: never across the surface."""
     turn = np.linspace(0.0, 20.0, 3000)
     curve = np.stack([1.2 * np.sin(turn), 1.2 * np.sin(1.1 * turn), 0.1 * turn - 1.0], axis=-1)
-    mesh = Mesh(*together(ball(3), inverted(cube(0.6))))
+    mesh = sn.Mesh(*together(ball(3), inverted(cube(0.6))))
     along = measure(mesh, curve)
     order = np.random.default_rng(0).permutation(3000)
     scattered = measure(mesh, curve[order])

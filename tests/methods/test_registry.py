@@ -13,7 +13,6 @@ import sinuous as sn
 from sinuous.base.arguments import MethodName
 from sinuous.methods import method as methods
 from sinuous.methods.method import LIMITS, METHODS, Options, choice, count, flag, number
-from sinuous.solver.solver import Solver
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, refused, refused_each
 from tests.methods.laws import quick
@@ -38,7 +37,7 @@ def test_a_method_is_chosen_by_name_or_by_options(name: MethodName) -> None:
 
 @pytest.mark.parametrize("name", METHODS)
 def test_a_solved_answer_is_one(name: MethodName) -> None:
-    solver = Solver(ARM, method=quick(name, ARM), tolerance=sn.Tolerance(0.5, 0.02))
+    solver = sn.Solver(ARM, method=quick(name, ARM), tolerance=sn.Tolerance(0.5, 0.02))
     solution = solver.solve(EASY)
     assert solution.method == name
     assert solution.solved
@@ -58,7 +57,7 @@ def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
         (can.several_targets, "target.segment", sn.Target((10, 0, 100), segment=2)),
         (can.several_targets, "targets", [EASY, sn.Target((10, 0, 100), segment=2)]),
     )
-    solver = Solver(ARM, method=quick(name, ARM), time=0.2)
+    solver = sn.Solver(ARM, method=quick(name, ARM), time=0.2)
     for handled, key, target in cases:
         if handled:
             solver.solve(target)
@@ -67,15 +66,15 @@ def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
             refused(key, partial(solver.solve_many, [target]), name)
     if not can.tool:
         tooled = sn.Robot.uniform(2, 1.0, tool=sn.pose((0, 0, 1)))
-        refused("robot.tool", lambda: Solver(tooled, method=name), name)
+        refused("robot.tool", lambda: sn.Solver(tooled, method=name), name)
     if not can.preferences:
-        refused("prefer", lambda: Solver(ARM, method=name, prefer=sn.Preferences(bends=1.0)), name)
+        refused("prefer", lambda: sn.Solver(ARM, method=name, prefer=sn.Preferences(bends=1.0)), name)
 
 
 def test_what_is_no_method_is_refused() -> None:
     nothing: Any
     for nothing in ("nothing", "", None, 3, Options()):
-        refused("method", partial(Solver, ARM, method=nothing), "newton")
+        refused("method", partial(sn.Solver, ARM, method=nothing), "newton")
     refused("method", lambda: methods.with_options("nothing", []))
     refused("beta", lambda: methods.with_options("newton", ["beta=1"]), "has no options")
 

@@ -13,12 +13,11 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.packing import pose_row
 from sinuous.kernels.tables import FAILED, SOLVED
 from sinuous.methods import search as common
-from sinuous.problem.problem import Problem
 from tests.helpers import Floats, kernel_problem
 from tests.kernels.workspace import make_clock
 
 
-def checker(problem: Problem) -> tuple[Any, Any]:
+def checker(problem: sn.Problem) -> tuple[Any, Any]:
     frames = np.zeros((len(problem.robot) + 1, 12))
     frames[0] = pose_row(problem.robot.base)
     obstacles = np.zeros(len(problem.scene), np.int64)
@@ -27,7 +26,7 @@ def checker(problem: Problem) -> tuple[Any, Any]:
     return own, common.Check(frames, obstacles, make_clock(), spans)
 
 
-def judged(problem: Problem, q: Floats) -> tuple[int, float, float, float, float, bool, float]:
+def judged(problem: sn.Problem, q: Floats) -> tuple[int, float, float, float, float, bool, float]:
     result: tuple[int, float, float, float, float, bool, float] = common.finish(*checker(problem), q)
     return result
 
@@ -43,7 +42,7 @@ def test_the_check_agrees_with_the_independent_one() -> None:
             tip = robot.tip(wild)
             move = rng.choice([0.0, 0.9, 1.1]) * 1e-4 * robot.mean_length
             target = sn.Target(tip[:3, 3] + [move, 0.0, 0.0], rotation=tip[:3, :3])
-            problem = Problem(robot, target, drawn.scene)
+            problem = sn.Problem(robot, target, drawn.scene)
             code, off, turn, clearance, _, over, merit = judged(problem, wild)
             check = verify(problem, wild)
             assert off == pytest.approx(check.position_error, abs=1e-9 * robot.mean_length)

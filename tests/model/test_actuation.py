@@ -6,25 +6,21 @@ from typing import Any
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.kernels import tables as t
 from sinuous.model.actuation import Actuator
-from sinuous.model.actuators import Actuators, Chambers, Tendons
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
-from sinuous.problem.target import Target
-from sinuous.solver.solver import Solver
 from tests.cases import with_each
 from tests.helpers import Floats, refused, refused_each
 
-MIXED = Robot(
+MIXED = sn.Robot(
     [
-        Segment((0.0, 0.5), max_bend=0.0, name="stage"),
-        Segment(1.0, tendons=Tendons(3, 0.05, displacement=(-0.2, 0.3))),
-        Segment(0.1, max_bend=0.0),
-        Segment((0.8, 1.2), tendons=Tendons(2, 0.04, 0.3), chambers=Chambers(4, 0.1, 0.2, length=(0.7, 1.3))),
-        Segment(1.0, tendons=Tendons(angles=[0.1, 2.0], radius=0.03, names=["left", "right"]), name="wrist"),
+        sn.Segment((0.0, 0.5), max_bend=0.0, name="stage"),
+        sn.Segment(1.0, tendons=sn.Tendons(3, 0.05, displacement=(-0.2, 0.3))),
+        sn.Segment(0.1, max_bend=0.0),
+        sn.Segment((0.8, 1.2), tendons=sn.Tendons(2, 0.04, 0.3), chambers=sn.Chambers(4, 0.1, 0.2, length=(0.7, 1.3))),
+        sn.Segment(1.0, tendons=sn.Tendons(angles=[0.1, 2.0], radius=0.03, names=["left", "right"]), name="wrist"),
     ],
-    actuators=Actuators(
+    actuators=sn.Actuators(
         [[0, 0, 1] + [0] * 12, [0, 0, 0, 2, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0]],
         names=["motor", "differential"],
         limits=[(0.0, 1.0), None],
@@ -35,7 +31,7 @@ NAMES = [*(f"s2.t{i}" for i in (1, 2, 3)), "s4.t1", "s4.t2", *(f"s4.c{i}" for i 
 NAMES += ["left", "right", "motor", "differential"]
 
 
-def one_by_one(robot: Robot, q: Floats) -> list[float]:
+def one_by_one(robot: sn.Robot, q: Floats) -> list[float]:
     """Values of all actuators of a configuration (n, 3), by the formulas of a single one."""
     values = []
     for k, segment in enumerate(robot.segments):
@@ -57,8 +53,8 @@ def test_who_the_actuators_are() -> None:
         Actuator("motor", "linear", 1, (0.0, 1.0)),
         Actuator("differential", "linear", 4, (-math.inf, math.inf)),
     )
-    assert Robot.uniform(3, 1.0).actuators == ()
-    assert Robot.uniform(3, 1.0).to_actuators(np.zeros((5, 3, 3))).shape == (5, 0)
+    assert sn.Robot.uniform(3, 1.0).actuators == ()
+    assert sn.Robot.uniform(3, 1.0).to_actuators(np.zeros((5, 3, 3))).shape == (5, 0)
     assert repr(MIXED) == "Robot('arm', 5 segments, total length 2.9 to 3.8, 13 actuators)"
     assert repr(MIXED.segments[0]) == "Segment('stage', length=(0, 0.5), max_bend=0, radius=0)"
 
@@ -88,35 +84,44 @@ def test_a_value_beyond_its_limits_is_a_violation() -> None:
 
 
 def test_names_that_stand_twice_are_refused() -> None:
-    two = [Segment(1.0, name="a"), Segment(1.0)]
-    refused("segments[2].name", lambda: Robot([*two, Segment(1.0, name="a")]), "segments[0].name")
-    refused("segments[1].name", lambda: Robot([Segment(1.0, name="s2"), Segment(1.0)]), "own")
-    pair = Segment(1.0, tendons=Tendons(2, 0.1, names=["x", "y"]))
-    refused("segments[1].tendons.names[0]", lambda: Robot([pair, pair]), "segments[0].tendons.names[0]")
+    two = [sn.Segment(1.0, name="a"), sn.Segment(1.0)]
+    refused("segments[2].name", lambda: sn.Robot([*two, sn.Segment(1.0, name="a")]), "segments[0].name")
+    refused("segments[1].name", lambda: sn.Robot([sn.Segment(1.0, name="s2"), sn.Segment(1.0)]), "own")
+    pair = sn.Segment(1.0, tendons=sn.Tendons(2, 0.1, names=["x", "y"]))
+    refused("segments[1].tendons.names[0]", lambda: sn.Robot([pair, pair]), "segments[0].tendons.names[0]")
     row = [[1.0, 0.0, 0.0]]
-    refused("actuators.names[0]", lambda: Robot([pair], actuators=Actuators(row, names=["y"])))
-    refused_each("name", ("", 3, ["a"]), lambda name: Segment(1.0, name=name), "a text")
-    refused_each("name", ("", 3, ["a"]), lambda name: Robot(two, name=name), "a text")
+    refused("actuators.names[0]", lambda: sn.Robot([pair], actuators=sn.Actuators(row, names=["y"])))
+    refused_each("name", ("", 3, ["a"]), lambda name: sn.Segment(1.0, name=name), "a text")
+    refused_each("name", ("", 3, ["a"]), lambda name: sn.Robot(two, name=name), "a text")
 
 
 def test_actuators_of_the_whole_robot_are_checked() -> None:
-    refused_each("matrix", (None, 3, [1.0], [[math.nan]], "rows"), Actuators, "numbers")
-    refused("len(matrix)", lambda: Actuators(np.zeros((0, 3))))
-    refused("matrix[1]", lambda: Actuators([[1, 0, 0], [0, 0, 0]]), "not zero")
+    refused_each("matrix", (None, 3, [1.0], [[math.nan]], "rows"), sn.Actuators, "numbers")
+    refused("len(matrix)", lambda: sn.Actuators(np.zeros((0, 3))))
+    refused("matrix[1]", lambda: sn.Actuators([[1, 0, 0], [0, 0, 0]]), "not zero")
     two = np.eye(3)[:2]
-    assert Actuators(two).names == ("a1", "a2")
-    assert Actuators(two, limits=(-1, 2)).limits == ((-1.0, 2.0), (-1.0, 2.0))
-    assert Actuators(two, limits=[None, (0, 1)]).limits == ((-math.inf, math.inf), (0.0, 1.0))
-    refused_each("limits", (3, [(0, 1)], [(0, 1)] * 3, "wide"), lambda limits: Actuators(two, limits=limits), "low")
-    refused("limits[1]", lambda: Actuators(two, limits=[None, (2, 1)]))
-    refused("limits", lambda: Actuators(two, limits=(2, 1)))
-    refused("names", lambda: Actuators(two, names=["a"]), "2 names")
-    refused("actuators.matrix", lambda: Robot([Segment(1.0)] * 2, actuators=Actuators(two)), "(2, 6), for 2 segments")
+    assert sn.Actuators(two).names == ("a1", "a2")
+    assert sn.Actuators(two, limits=(-1, 2)).limits == ((-1.0, 2.0), (-1.0, 2.0))
+    assert sn.Actuators(two, limits=[None, (0, 1)]).limits == ((-math.inf, math.inf), (0.0, 1.0))
+    refused_each("limits", (3, [(0, 1)], [(0, 1)] * 3, "wide"), lambda limits: sn.Actuators(two, limits=limits), "low")
+    refused("limits[1]", lambda: sn.Actuators(two, limits=[None, (2, 1)]))
+    refused("limits", lambda: sn.Actuators(two, limits=(2, 1)))
+    refused("names", lambda: sn.Actuators(two, names=["a"]), "2 names")
+    refused(
+        "actuators.matrix",
+        lambda: sn.Robot([sn.Segment(1.0)] * 2, actuators=sn.Actuators(two)),
+        "(2, 6), for 2 segments",
+    )
     bad: Any = [[1, 0, 0]]
-    refused("actuators", lambda: Robot([Segment(1.0)], actuators=bad))
+    refused("actuators", lambda: sn.Robot([sn.Segment(1.0)], actuators=bad))
 
 
-PARTS = [Segment((0.0, 0.5), max_bend=0.0), Segment(1.0, 2.0), Segment(0.1, max_bend=0.0), Segment((0.8, 1.2), 2.0)]
+PARTS = [
+    sn.Segment((0.0, 0.5), max_bend=0.0),
+    sn.Segment(1.0, 2.0),
+    sn.Segment(0.1, max_bend=0.0),
+    sn.Segment((0.8, 1.2), 2.0),
+]
 
 
 def row(*weights: Any) -> list[float]:
@@ -139,7 +144,7 @@ ROWS = {
 def test_a_row_says_the_same_within_the_limits_of_segments(name: str, gain: float) -> None:
     """It is as far from both limits as the value itself, times one factor."""
     limits = -50.0 * gain, 40.0 * gain
-    robot = Robot(PARTS, actuators=Actuators([np.multiply(ROWS[name], gain)], limits=limits))
+    robot = sn.Robot(PARTS, actuators=sn.Actuators([np.multiply(ROWS[name], gain)], limits=limits))
     (found,) = robot.actuation
     first, last = int(found[t.FIRST_SEGMENT]), int(found[t.LAST_SEGMENT])
     assert first in (0, last)
@@ -162,23 +167,23 @@ def test_limits_that_no_row_says_are_refused(weights: list[float]) -> None:
     key = "actuators.limits[0]"
     bends = [row(*part) for part in np.eye(12).reshape(12, 4, 3)]  # with these all bends are driven
     limits = [(-9, 9), *[None] * len(bends)]
-    driven = Actuators([weights, *bends], limits=limits)
-    refused(key, lambda: Robot(PARTS, actuators=driven), "equal from the first up to one")
-    assert len(Robot(PARTS, actuators=Actuators([weights, *bends])).actuation) == 0
+    driven = sn.Actuators([weights, *bends], limits=limits)
+    refused(key, lambda: sn.Robot(PARTS, actuators=driven), "equal from the first up to one")
+    assert len(sn.Robot(PARTS, actuators=sn.Actuators([weights, *bends])).actuation) == 0
 
 
 @pytest.mark.parametrize("name", ["one segment", "a sum", "tendon lengths"])
 def test_solvers_keep_them(name: str) -> None:
-    free = Robot(PARTS)
+    free = sn.Robot(PARTS)
     rng = np.random.default_rng(1)
     bound = 0
     for _ in range(20):
         q = np.array([(0, 0, 0.2), (*rng.normal(size=2) * 0.6, 1), (0, 0, 0.1), (*rng.normal(size=2) * 0.6, 1)])
         tip = free.tip(q)
-        narrow = Actuators([ROWS[name]], limits=(1.8, 2.9) if name == "tendon lengths" else (-0.15, 0.15))
-        robot = Robot(PARTS, actuators=narrow)
-        solution = Solver(robot, time=0.05, max_starts=20).solve(Target(tip[:3, 3]))
+        narrow = sn.Actuators([ROWS[name]], limits=(1.8, 2.9) if name == "tendon lengths" else (-0.15, 0.15))
+        robot = sn.Robot(PARTS, actuators=narrow)
+        solution = sn.Solver(robot, time=0.05, max_starts=20).solve(sn.Target(tip[:3, 3]))
         assert robot.excess(solution.q) <= 1e-9
-        freely = Solver(free).solve(Target(tip[:3, 3]))
+        freely = sn.Solver(free).solve(sn.Target(tip[:3, 3]))
         bound += robot.excess(freely.q) > 1e-3
     assert bound > 3

@@ -11,13 +11,10 @@ import pytest
 
 import sinuous as sn
 from sinuous.model.actuation import Actuator
-from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, Floats, configurations, expm_chain, refused, refused_each
 
-LINES = (Tendons, Chambers)
+LINES = (sn.Tendons, sn.Chambers)
 
 
 def curve_length(q: Floats, angle: float, radius: float, samples: int = 200) -> float:
@@ -43,7 +40,9 @@ def test_lengths_are_those_of_the_curves(seed: int) -> None:
     """Tendons of the last segment run through all; offset curves do not turn back on themselves at this radius."""
     rng = np.random.default_rng(seed)
     angles, radius = rng.uniform(-math.pi, math.pi, 3), 0.05
-    robot = Robot([Segment((0.0, 3.0), 7.0, tendons=Tendons(angles=angles + k, radius=radius)) for k in range(3)])
+    robot = sn.Robot(
+        [sn.Segment((0.0, 3.0), 7.0, tendons=sn.Tendons(angles=angles + k, radius=radius)) for k in range(3)]
+    )
     q = configurations(seed, 3, 1)[0]
     q[:, 2] += 0.5
     pulled = robot.to_actuators(q).reshape(3, 3)
@@ -51,7 +50,7 @@ def test_lengths_are_those_of_the_curves(seed: int) -> None:
         for j in range(3):
             expected = q[: k + 1, 2].sum() - curve_length(q[: k + 1], angles[j] + k, radius)
             assert pulled[k][j] == pytest.approx(expected, abs=1e-7)
-    chambered = Robot([Segment((0.0, 4.0), 7.0, chambers=Chambers(angles=angles, radius=radius))] * 3)
+    chambered = sn.Robot([sn.Segment((0.0, 4.0), 7.0, chambers=sn.Chambers(angles=angles, radius=radius))] * 3)
     for k, lengths_k in enumerate(chambered.to_actuators(q).reshape(3, 3)):
         assert lengths_k[1] == pytest.approx(curve_length(q[k : k + 1], angles[1], radius), abs=1e-7)
 
@@ -81,18 +80,18 @@ def test_places_are_said_one_way(kind: Any) -> None:
 
 
 def test_limits_of_tendons_contain_the_straight_robot() -> None:
-    assert Tendons(3, 1.0).displacement == (-math.inf, math.inf)
-    assert Tendons(3, 1.0, displacement=(-1, 0)).displacement == (-1.0, 0.0)
+    assert sn.Tendons(3, 1.0).displacement == (-math.inf, math.inf)
+    assert sn.Tendons(3, 1.0, displacement=(-1, 0)).displacement == (-1.0, 0.0)
     refused_each(
         "displacement",
         ((0.1, 1.0), (-1.0, -0.1), 0.5),
-        lambda value: Tendons(3, 1.0, displacement=value),
+        lambda value: sn.Tendons(3, 1.0, displacement=value),
         "low <= 0 <= high",
     )
     refused_each(
-        "displacement", ((1.0, -1.0), (1, 2, 3), "wide", True), lambda value: Tendons(3, 1.0, displacement=value)
+        "displacement", ((1.0, -1.0), (1, 2, 3), "wide", True), lambda value: sn.Tendons(3, 1.0, displacement=value)
     )
-    refused("displacement[1]", lambda: Tendons(3, 1.0, displacement=(-1.0, math.inf)))
+    refused("displacement[1]", lambda: sn.Tendons(3, 1.0, displacement=(-1.0, math.inf)))
 
 
 MOTOR_LINES = (sn.Tendons, sn.Chambers)

@@ -8,16 +8,13 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.model.actuators import Chambers, Stage, Tendons
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from tests.cases import with_each
 from tests.helpers import Floats, refused
 
 DRIVES = ("tendons", "chambers", "both")
 
 
-def random_robot(rng: np.random.Generator) -> tuple[Robot, bool]:
+def random_robot(rng: np.random.Generator) -> tuple[sn.Robot, bool]:
     """Return a robot of segments of all kinds, and whether its actuators alone determine its configuration."""
     unit = rng.choice([1e-3, 1.0, 1e3])  # m, or mm, or smaller
     parts, determined = [], True
@@ -26,21 +23,21 @@ def random_robot(rng: np.random.Generator) -> tuple[Robot, bool]:
         length: Any = (low, low + rng.uniform(0.1, 1.0) * unit) if rng.random() < 0.5 else low
         kind = rng.choice(["spacer", "stage", *DRIVES])
         if kind == "spacer":
-            parts.append(Segment(low, max_bend=0.0))
+            parts.append(sn.Segment(low, max_bend=0.0))
             continue
         if kind == "stage":
-            parts.append(Segment((0.0, low), max_bend=0.0))
+            parts.append(sn.Segment((0.0, low), max_bend=0.0))
             determined = False
             continue
         lines = rng.integers(3, 7), rng.uniform(0.02, 0.2) * unit, rng.uniform(-3, 3)
-        tendons = None if kind == "chambers" else Tendons(int(lines[0]), *lines[1:])
-        chambers = None if kind == "tendons" else Chambers(int(lines[0]), *lines[1:])
-        parts.append(Segment(length, 3.0, tendons=tendons, chambers=chambers))
+        tendons = None if kind == "chambers" else sn.Tendons(int(lines[0]), *lines[1:])
+        chambers = None if kind == "tendons" else sn.Chambers(int(lines[0]), *lines[1:])
+        parts.append(sn.Segment(length, 3.0, tendons=tendons, chambers=chambers))
         determined &= kind != "tendons" or not isinstance(length, tuple)
-    return Robot(parts if parts else [Segment(unit)]), determined
+    return sn.Robot(parts if parts else [sn.Segment(unit)]), determined
 
 
-def random_shapes(robot: Robot, rng: np.random.Generator, count: int) -> Floats:
+def random_shapes(robot: sn.Robot, rng: np.random.Generator, count: int) -> Floats:
     low, high = np.array([segment.length for segment in robot.segments]).T
     bends = np.array([segment.max_bend for segment in robot.segments])
     q = np.empty((count, len(robot), 3))
@@ -66,8 +63,8 @@ def test_there_and_back_for_hundreds_of_robots() -> None:
 
 
 def test_values_that_contradict_each_other_give_the_least_squares() -> None:
-    lines = [Tendons(5, 0.05, 0.3 * k) for k in range(3)]
-    robot = Robot([Segment(1.0, tendons=each, chambers=Chambers(4, 0.07)) for each in lines])
+    lines = [sn.Tendons(5, 0.05, 0.3 * k) for k in range(3)]
+    robot = sn.Robot([sn.Segment(1.0, tendons=each, chambers=sn.Chambers(4, 0.07)) for each in lines])
     values = np.random.default_rng(6).normal(size=(7, len(robot.actuators)))
     moving = np.delete(np.arange(9), [2, 5, 8])
     matrix = robot.actuator_jacobian(np.zeros((3, 3)))
@@ -79,8 +76,8 @@ def test_values_that_contradict_each_other_give_the_least_squares() -> None:
 
 def test_contradictions_are_answered_with_what_is_left() -> None:
     """Three tendons of one arc are one too many: their displacements add up to zero."""
-    tendons = Tendons(3, 5.0, gain=[100.0, -100.0, 40.0], offset=2048.0, unit="counts")
-    robot = Robot([Segment(80.0, tendons=tendons)])
+    tendons = sn.Tendons(3, 5.0, gain=[100.0, -100.0, 40.0], offset=2048.0, unit="counts")
+    robot = sn.Robot([sn.Segment(80.0, tendons=tendons)])
     q = np.array([[[0.4, -0.2, 80.0]], [[0.1, 0.3, 80.0]]])
     values = robot.to_actuators(q)
     np.testing.assert_allclose(robot.from_actuators(values + 1e-3), q, atol=1e-5)  # digits of a table
@@ -98,8 +95,11 @@ def test_contradictions_are_answered_with_what_is_left() -> None:
 
 
 def test_values_by_name_are_those_in_order() -> None:
-    robot = Robot(
-        [Segment((0.0, 50.0), 0.0, stage=Stage(unit="mm"), name="feed"), Segment(80.0, tendons=Tendons(3, 5.0))]
+    robot = sn.Robot(
+        [
+            sn.Segment((0.0, 50.0), 0.0, stage=sn.Stage(unit="mm"), name="feed"),
+            sn.Segment(80.0, tendons=sn.Tendons(3, 5.0)),
+        ]
     )
     q = np.array([[[0, 0, 12.0], [0.3, 0.1, 80.0]], [[0, 0, 20.0], [0.0, -0.4, 80.0]]])
     for shape in (q, q[0]):
@@ -115,22 +115,22 @@ def test_values_by_name_are_those_in_order() -> None:
 
 
 def test_open_coordinates_are_named() -> None:
-    pair = Tendons(2, 0.1)
-    robot = Robot([Segment(1.0, tendons=pair), Segment((0.5, 1.5), tendons=Tendons(3, 0.1), name="wrist")])
+    pair = sn.Tendons(2, 0.1)
+    robot = sn.Robot([sn.Segment(1.0, tendons=pair), sn.Segment((0.5, 1.5), tendons=sn.Tendons(3, 0.1), name="wrist")])
     refused("initial", lambda: robot.from_actuators(np.zeros(5)), "length of wrist (segment 2)")
-    sum_only = Robot([Segment(1.0), Segment(1.0, tendons=Tendons(3, 0.1))])
+    sum_only = sn.Robot([sn.Segment(1.0), sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))])
     named = "bend_x of s1 (segment 1), bend_y of s1 (segment 1), bend_x of s2 (segment 2), bend_y of s2"
     refused("initial", lambda: sum_only.from_actuators(np.zeros(3)), named)
-    refused("initial", lambda: Robot.uniform(9, 1.0).from_actuators([]), "bend_y of s2 (segment 2) and 14 more")
+    refused("initial", lambda: sn.Robot.uniform(9, 1.0).from_actuators([]), "bend_y of s2 (segment 2) and 14 more")
 
 
 @with_each("values", [None, 3.0, "abc", [1.0, 2.0], [[1.0, 2.0, 3.0, 4.0]], [1.0, math.nan, 0.0], [True] * 3])
 def test_bad_values_are_refused(values: Any) -> None:
-    robot = Robot([Segment(1.0, tendons=Tendons(3, 0.1))])
+    robot = sn.Robot([sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))])
     refused("actuators", lambda: robot.from_actuators(values), "3)")
 
 
 @with_each("initial", [3.0, "straight", [0.0, 0.0, 1.0], [[0.0, 0.0]], [[0.0, 0.0, math.inf]]])
 def test_bad_references_are_refused(initial: Any) -> None:
-    robot = Robot([Segment(1.0, tendons=Tendons(3, 0.1))])
+    robot = sn.Robot([sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))])
     refused("initial", lambda: robot.from_actuators([0.0, 0.0, 0.0], initial), "1, 3)")

@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from tests.cases import with_each
 from tests.helpers import (
     NOT_NUMBERS,
@@ -26,9 +23,9 @@ from tests.helpers import (
 )
 
 
-def posed_robot(seed: int, n: int = 4) -> Robot:
+def posed_robot(seed: int, n: int = 4) -> sn.Robot:
     rng = np.random.default_rng(seed)
-    return Robot.uniform(n, (0.0, 100.0), 7.0, base=random_pose(rng), tool=random_pose(rng, 0.3))
+    return sn.Robot.uniform(n, (0.0, 100.0), 7.0, base=random_pose(rng), tool=random_pose(rng, 0.3))
 
 
 # Kinematics
@@ -99,11 +96,11 @@ def test_backbones_are_evenly_spaced_from_base_to_tip() -> None:
 
 
 def test_excess_is_how_far_outside_the_limits() -> None:
-    robot = Robot(
+    robot = sn.Robot(
         [
-            Segment((1.0, 2.0), 1.0, max_curvature=0.5),
-            Segment(1.0, 0.5, tendons=Tendons(4, 0.1, displacement=(-0.2, 0.1))),
-            Segment((0.0, 2.0), chambers=Chambers(3, 0.2, length=(0.5, 1.5))),
+            sn.Segment((1.0, 2.0), 1.0, max_curvature=0.5),
+            sn.Segment(1.0, 0.5, tendons=sn.Tendons(4, 0.1, displacement=(-0.2, 0.1))),
+            sn.Segment((0.0, 2.0), chambers=sn.Chambers(3, 0.2, length=(0.5, 1.5))),
         ]
     )
     inside = np.array([[0.5, 0.0, 1.0], [0.0, 0.5, 1.0], [0.0, 0.0, 1.5]])
@@ -131,43 +128,43 @@ def test_excess_is_how_far_outside_the_limits() -> None:
 
 @with_each("value", NOT_NUMBERS)
 def test_bad_numbers_of_segments_are_refused(value: Any) -> None:
-    refused("max_bend", lambda: Segment(1.0, value))
-    refused("radius", lambda: Segment(1.0, radius=value))
-    refused("mount", lambda: Robot([Segment(1.0)], mount=value))
+    refused("max_bend", lambda: sn.Segment(1.0, value))
+    refused("radius", lambda: sn.Segment(1.0, radius=value))
+    refused("mount", lambda: sn.Robot([sn.Segment(1.0)], mount=value))
     if value is not None:
-        refused("max_curvature", lambda: Segment(1.0, max_curvature=value))
-        refused("radius", lambda: Robot([Segment(1.0)], radius=value))
+        refused("max_curvature", lambda: sn.Segment(1.0, max_curvature=value))
+        refused("radius", lambda: sn.Robot([sn.Segment(1.0)], radius=value))
     if value != [1.0]:
-        refused("length", lambda: Segment(value))
-        refused("length[1]", lambda: Segment((0.0, value)))
+        refused("length", lambda: sn.Segment(value))
+        refused("length[1]", lambda: sn.Segment((0.0, value)))
 
 
 def test_limits_that_cannot_be_meant_are_refused() -> None:
-    refused("length", lambda: Segment(-1.0), "at least 0")
-    refused("length[0]", lambda: Segment((-1.0, 1.0)))
-    refused("length", lambda: Segment((2.0, 1.0)), "low <= high")
-    refused("length", lambda: Segment((1.0, 2.0, 3.0)))
-    refused("max_bend", lambda: Segment(1.0, -0.1))
-    refused("max_curvature", lambda: Segment(1.0, max_curvature=-0.1))
-    refused("radius", lambda: Segment(1.0, radius=-0.1))
-    refused("mount", lambda: Robot([Segment(1.0)], mount=-0.1))
-    refused("radius", lambda: Robot([Segment(1.0)], radius=-0.1))
-    refused("tendons", lambda: Segment(1.0, tendons=Chambers(3, 0.1)), "Tendons")  # type: ignore[arg-type]
-    refused("chambers", lambda: Segment(1.0, chambers={"count": 3}), "Chambers")  # type: ignore[arg-type]
+    refused("length", lambda: sn.Segment(-1.0), "at least 0")
+    refused("length[0]", lambda: sn.Segment((-1.0, 1.0)))
+    refused("length", lambda: sn.Segment((2.0, 1.0)), "low <= high")
+    refused("length", lambda: sn.Segment((1.0, 2.0, 3.0)))
+    refused("max_bend", lambda: sn.Segment(1.0, -0.1))
+    refused("max_curvature", lambda: sn.Segment(1.0, max_curvature=-0.1))
+    refused("radius", lambda: sn.Segment(1.0, radius=-0.1))
+    refused("mount", lambda: sn.Robot([sn.Segment(1.0)], mount=-0.1))
+    refused("radius", lambda: sn.Robot([sn.Segment(1.0)], radius=-0.1))
+    refused("tendons", lambda: sn.Segment(1.0, tendons=sn.Chambers(3, 0.1)), "Tendons")  # type: ignore[arg-type]
+    refused("chambers", lambda: sn.Segment(1.0, chambers={"count": 3}), "Chambers")  # type: ignore[arg-type]
 
 
 @with_each("value", [0, -1, 2.0, True, "5", None, 10_001, 10**9])
 def test_bad_counts_are_refused_at_once(value: Any) -> None:
-    refused("count", lambda: Robot.uniform(value, 1.0), "1 to 10000")
+    refused("count", lambda: sn.Robot.uniform(value, 1.0), "1 to 10000")
 
 
 def test_what_is_no_robot_is_refused() -> None:
-    refused("segments", lambda: Robot([]))
-    refused("segments", lambda: Robot([Segment(0.0), Segment((0.0, 0.0))]), "longer than 0")
-    refused("segments[1]", lambda: Robot([Segment(1.0), 2.0]), "a Segment")  # type: ignore[list-item]
-    refused_each("segments", (None, 5, Segment(1.0)), Robot)
-    refused("base.matrix", lambda: Robot([Segment(1.0)], base=np.zeros((4, 4))))
-    refused("tool.matrix", lambda: Robot([Segment(1.0)], tool=np.eye(3)))
+    refused("segments", lambda: sn.Robot([]))
+    refused("segments", lambda: sn.Robot([sn.Segment(0.0), sn.Segment((0.0, 0.0))]), "longer than 0")
+    refused("segments[1]", lambda: sn.Robot([sn.Segment(1.0), 2.0]), "a Segment")  # type: ignore[list-item]
+    refused_each("segments", (None, 5, sn.Segment(1.0)), sn.Robot)
+    refused("base.matrix", lambda: sn.Robot([sn.Segment(1.0)], base=np.zeros((4, 4))))
+    refused("tool.matrix", lambda: sn.Robot([sn.Segment(1.0)], tool=np.eye(3)))
 
 
 BAD_CONFIGURATIONS: list[Any] = [

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.model.segment import arc_parameters, from_arc_parameters
 from tests.cases import with_each
 from tests.helpers import refused, refused_each
 
@@ -18,24 +17,24 @@ from tests.helpers import refused, refused_each
 def test_arc_parameters_there_and_back() -> None:
     rng = np.random.default_rng(7)
     curvature, angle, length = rng.uniform(0, 3, (5, 4)), rng.uniform(-3.1, 3.1, (5, 4)), rng.uniform(0.1, 2, (5, 4))
-    q = from_arc_parameters(curvature, angle, length)
+    q = sn.from_arc_parameters(curvature, angle, length)
     assert q.shape == (5, 4, 3)
-    for got, expected in zip(arc_parameters(q), (curvature, angle, length), strict=True):
+    for got, expected in zip(sn.arc_parameters(q), (curvature, angle, length), strict=True):
         np.testing.assert_allclose(got, expected, atol=1e-13)
-    np.testing.assert_allclose(from_arc_parameters(2.0, 0.0, [1.0, 2.0]), [[2.0, 0.0, 1.0], [4.0, 0.0, 2.0]])
+    np.testing.assert_allclose(sn.from_arc_parameters(2.0, 0.0, [1.0, 2.0]), [[2.0, 0.0, 1.0], [4.0, 0.0, 2.0]])
 
 
 def test_straight_segments_have_no_curvature_and_bent_ones_of_no_length_none_that_is_finite() -> None:
-    curvature, angle, length = arc_parameters([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    curvature, angle, length = sn.arc_parameters([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     np.testing.assert_array_equal([curvature, angle, length], [[0, 0], [0, 0], [0, 1]])
-    refused("q", lambda: arc_parameters([[1.0, 0.0, 0.0]]), "length greater than 0")
+    refused("q", lambda: sn.arc_parameters([[1.0, 0.0, 0.0]]), "length greater than 0")
 
 
 @with_each("value", ["abc", None, [1.0, math.nan], [True], [[1.0], [1.0, 2.0]]])
 def test_bad_arc_parameters_are_refused(value: Any) -> None:
-    refused("curvature", lambda: from_arc_parameters(value, 0.0, 1.0))
-    refused("length", lambda: from_arc_parameters(1.0, 0.0, value))
-    refused("q", lambda: arc_parameters(value))
+    refused("curvature", lambda: sn.from_arc_parameters(value, 0.0, 1.0))
+    refused("length", lambda: sn.from_arc_parameters(1.0, 0.0, value))
+    refused("q", lambda: sn.arc_parameters(value))
 
 
 # Making robots

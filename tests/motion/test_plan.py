@@ -10,10 +10,8 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.motions import wrong_in
-from sinuous.base.errors import InputError
 from sinuous.kernels.certificate.query import CLEARANCES
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
-from sinuous.motion.plan import Planner
 from sinuous.motion.planning import planners
 from sinuous.solver.certificates.steps import prove_steps
 from tests.motion.planning.places import STRETCHING as ROBOT
@@ -120,7 +118,7 @@ def test_the_same_seed_gives_the_same_motion() -> None:
     scene, (start, goal) = next((s, e) for s, e in map(pair, range(20)) if len(sn.plan(ROBOT, e[0], e[1], s).q) > 2)
     one, other = (sn.plan(ROBOT, start, goal, scene, seed=3) for _ in range(2))
     np.testing.assert_array_equal(one.q, other.q)
-    planner = Planner(ROBOT, scene, seed=3)
+    planner = sn.Planner(ROBOT, scene, seed=3)
     for _ in range(2):
         np.testing.assert_array_equal(planner.plan(start, goal).q, one.q)
 
@@ -128,7 +126,7 @@ def test_the_same_seed_gives_the_same_motion() -> None:
 def test_threads_share_a_planner() -> None:
     scene, ends = pair(0)
     goals = [ends[1], *(other for seed in range(1, 6) for other in pair(seed)[1])]
-    planner = Planner(ROBOT, scene)
+    planner = sn.Planner(ROBOT, scene)
     alone = [planner.plan(ends[0], goal) for goal in goals]
     assert sum(motion.solved for motion in alone) > 1
     with ThreadPoolExecutor(4) as pool:
@@ -164,7 +162,7 @@ def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() 
     assert motion.worst is not None
     assert motion.worst.obstacle == "ball"
     with pytest.raises(
-        InputError,
+        sn.InputError,
         match=r"^goal: length of segment 1 is 0.3 beyond its limit; expected a configuration within all limits",
     ):
         sn.plan(ROBOT, bent, [[0.0, 0.0, 1.5]] * 4)
@@ -193,18 +191,18 @@ def test_what_was_not_found_is_not_called_impossible() -> None:
     ],
 )
 def test_wrong_options_are_refused(options: dict[str, float], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(sn.InputError, match=message):
         sn.plan(ROBOT, STRAIGHT, STRAIGHT, **options)  # type: ignore[arg-type]
 
 
 def test_wrong_ends_are_refused() -> None:
-    with pytest.raises(InputError, match=r"^start: shape \(1, 3\); expected .*3"):
+    with pytest.raises(sn.InputError, match=r"^start: shape \(1, 3\); expected .*3"):
         sn.plan(ROBOT, [[0, 0, 1]], STRAIGHT)
-    with pytest.raises(InputError, match=r"^goal: shape \(1, 3\); expected .*3"):
+    with pytest.raises(sn.InputError, match=r"^goal: shape \(1, 3\); expected .*3"):
         sn.plan(ROBOT, STRAIGHT, [[0, 0, 1]])
-    with pytest.raises(InputError, match=r"^goal\[1\]: expected a Target"):
+    with pytest.raises(sn.InputError, match=r"^goal\[1\]: expected a Target"):
         sn.plan(ROBOT, STRAIGHT, [sn.Target((0, 0, 3)), 4])  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=r"^robot: expected a Robot"):
+    with pytest.raises(sn.InputError, match=r"^robot: expected a Robot"):
         sn.plan(None, STRAIGHT, STRAIGHT)  # type: ignore[arg-type]
 
 

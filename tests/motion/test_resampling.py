@@ -9,7 +9,6 @@ from scipy.interpolate import CubicHermiteSpline
 
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
-from sinuous.base.errors import SuspiciousInput
 from sinuous.motion.resampling import splines_between
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.05)
@@ -32,7 +31,7 @@ def test_what_is_written_says_whether_it_is_proved(tmp_path: Path) -> None:
     assert whole.to_csv(tmp_path / "knots.csv") is whole
     assert whole.to_ros(tmp_path / "knots.json") is whole
     for write, name in ((whole.to_csv, "rows.csv"), (whole.to_ros, "rows.json")):
-        with pytest.warns(SuspiciousInput, match="rate: 1 of 1 lines between rows are not proved clear"):
+        with pytest.warns(sn.SuspiciousInput, match="rate: 1 of 1 lines between rows are not proved clear"):
             written = write(tmp_path / name, rate=0.5)
         assert written.between == "unproved"
         assert not written.verify()[0].ok
@@ -67,7 +66,7 @@ def test_splines_are_as_clear_as_is_said(tmp_path: Path) -> None:
         timed = around.timed(rates, 0.3)
         for rate in (None, 6.0):
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", SuspiciousInput)
+                warnings.simplefilter("ignore", sn.SuspiciousInput)
                 written = timed.to_ros(tmp_path / "way.json", rate=rate)
             velocities = timed.velocity(written.times)
             velocities[-1] = 0.0

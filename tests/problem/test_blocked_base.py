@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.model.poses import pose
 from sinuous.problem.problem import base_blocked, bound_sway
 
 UNEVEN = [sn.Segment(0.02, 1.5, radius=0.01), sn.Segment(0.5, 0.0, radius=0.01), sn.Segment(0.3, 2.0, radius=0.01)]
@@ -63,6 +62,6 @@ def test_an_evenly_bent_mount_is_bounded_as_closely_as_by_its_arc() -> None:
 
 
 def test_a_base_within_an_obstacle_stays_blocked() -> None:
-    robot = sn.Robot.uniform(3, 1.0, 1.0, radius=0.1, mount=0.2, base=pose((5.0, 0.0, 0.0)))
+    robot = sn.Robot.uniform(3, 1.0, 1.0, radius=0.1, mount=0.2, base=sn.pose((5.0, 0.0, 0.0)))
     assert base_blocked(robot, sn.Scene([sn.Sphere((5, 0, 0.2), 0.5)]).snapshot())
     assert not base_blocked(robot, sn.Scene([sn.Sphere((5, 0, 3), 0.5)]).snapshot())

@@ -15,52 +15,51 @@ from scipy.spatial.transform import Rotation
 import sinuous as sn
 from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
 from sinuous.model.poses import rotation_matrix
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target, TipGoals, target_list, target_table
+from sinuous.problem.target import TipGoals, target_list, target_table
 from tests.cases import with_each
 from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
 from tests.scene.shapes import cube
 
-ROBOT = Robot.uniform(3, 1.0)
+ROBOT = sn.Robot.uniform(3, 1.0)
 
 
 def test_a_target_is_what_was_said() -> None:
-    target = Target((1, 2, 3), direction=(0, 0, -2))
+    target = sn.Target((1, 2, 3), direction=(0, 0, -2))
     np.testing.assert_array_equal(target.position, [1.0, 2.0, 3.0])
     np.testing.assert_array_equal(target.direction, [0.0, 0.0, -1.0])
     assert target.rotation is None
     assert target.segment is None
     np.testing.assert_array_equal(target.table, [[-1, 1, 1, 2, 3, DIRECTION, 0, 0, -1, 0, 0, 0, 0, 0, 0]])
     assert repr(target) == "Target(position=(1, 2, 3), direction=(0, 0, -1))"
-    assert repr(Target(np.eye(4))) == "Target(position=(0, 0, 0), rotation=(1, 0, 0, 0))"
+    assert repr(sn.Target(np.eye(4))) == "Target(position=(0, 0, 0), rotation=(1, 0, 0, 0))"
 
 
 def test_rows_of_every_kind() -> None:
-    np.testing.assert_array_equal(Target((1, 2, 3), segment=2).table, [[1, 1, 1, 2, 3, FREE, *[0] * 9]])
+    np.testing.assert_array_equal(sn.Target((1, 2, 3), segment=2).table, [[1, 1, 1, 2, 3, FREE, *[0] * 9]])
     rotation = random_rotation(np.random.default_rng(0))
-    row = Target(rotation=rotation).table
+    row = sn.Target(rotation=rotation).table
     np.testing.assert_array_equal(row[0, :6], [-1, 0, 0, 0, 0, ROTATION])
     np.testing.assert_allclose(row[0, 6:], rotation.ravel(), atol=1e-15)
-    half_turn = Target(rotation=(0, 0, 0, 1))  # a quaternion wxyz: half a turn about z
+    half_turn = sn.Target(rotation=(0, 0, 0, 1))  # a quaternion wxyz: half a turn about z
     assert half_turn.rotation is not None
     np.testing.assert_allclose(half_turn.rotation, np.diag([-1.0, -1.0, 1.0]), atol=1e-15)
-    assert repr(Target(direction=(1, 0, 0), segment=2)) == "Target(direction=(1, 0, 0), segment=2)"
+    assert repr(sn.Target(direction=(1, 0, 0), segment=2)) == "Target(direction=(1, 0, 0), segment=2)"
 
 
 @with_each("value", [v for v in NOT_VECTORS if v is not None])
 def test_bad_vectors_are_refused(value: Any) -> None:
-    refused("position", lambda: Target(value))
-    refused("direction", lambda: Target(direction=value))
+    refused("position", lambda: sn.Target(value))
+    refused("direction", lambda: sn.Target(direction=value))
 
 
 def test_bad_orientations_are_refused() -> None:
-    refused("direction", lambda: Target(direction=(0, 0, 0)), "not zero")
+    refused("direction", lambda: sn.Target(direction=(0, 0, 0)), "not zero")
     bad = (np.zeros((3, 3)), np.diag([1, 1, -1]), (0, 0, 0, 0), np.eye(4), np.full((3, 3), math.nan))
-    refused_each("rotation", bad, lambda rotation: Target(rotation=rotation))
+    refused_each("rotation", bad, lambda rotation: sn.Target(rotation=rotation))
 
 
 def test_lists_of_targets() -> None:
-    a, b = Target((0, 0, 1)), Target((0, 0, 2), segment=1)
+    a, b = sn.Target((0, 0, 1)), sn.Target((0, 0, 2), segment=1)
     assert target_list("targets", a) == (a,)
     assert target_list("targets", [a, b]) == (a, b)
     assert target_list("targets", iter([a, b])) == (a, b)
@@ -92,8 +91,8 @@ UNITS = np.concatenate([ROTATIONS.as_matrix()[:, 0], np.eye(3), ROWS[:20, 3:6]])
 )
 def test_many_targets_are_those_made_one_by_one(columns: dict[str, Any]) -> None:
     """To the last bit, and as frozen; kernels get tables that they may be called with."""
-    targets = Target.each(**columns)
-    singles = [Target(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True)]
+    targets = sn.Target.each(**columns)
+    singles = [sn.Target(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True)]
     assert len(targets) == len(singles)
     for target, single in zip(targets, singles, strict=True):
         for key in ("position", "direction", "rotation"):
@@ -111,16 +110,16 @@ def test_many_targets_are_those_made_one_by_one(columns: dict[str, Any]) -> None
 
 def test_wrong_rows_of_many_targets_are_refused() -> None:
     good = np.ones((3, 3))
-    refused("position", Target.each, "position, direction or rotation")
-    refused("direction", lambda: Target.each(good, direction=good, rotation=np.ones((3, 4))), "rotation")
-    refused("xyzw", lambda: Target.each(rotation=np.ones((3, 4)), xyzw=np.ones((3, 4))), "one of rotation, xyzw")
-    refused("xyzw", lambda: Target.each(good, xyzw=np.ones((2, 4))), "as many as there are positions")
-    refused("direction", lambda: Target.each(good, direction=good[:2]), "as many as there are positions")
-    refused("direction[1]", lambda: Target.each(direction=[[1, 0, 0], [0, 0, 0]]), "not zero")
-    refused("rotation[0]", lambda: Target.each(rotation=[np.diag([1, 1, -1])]))
-    refused_each("position", (5, "a", [[1, 2]], [1, 2, 3], [[1, 2, True]]), Target.each)
-    refused("position[1]", lambda: Target.each([[1, 2, 3], [1, 2, math.inf]]), "3 finite numbers")
-    refused_each("rotation", (5, "a", [[1, 2]], [1, 0, 0, 0], [[1, 0, 0], [1]]), lambda r: Target.each(rotation=r))
+    refused("position", sn.Target.each, "position, direction or rotation")
+    refused("direction", lambda: sn.Target.each(good, direction=good, rotation=np.ones((3, 4))), "rotation")
+    refused("xyzw", lambda: sn.Target.each(rotation=np.ones((3, 4)), xyzw=np.ones((3, 4))), "one of rotation, xyzw")
+    refused("xyzw", lambda: sn.Target.each(good, xyzw=np.ones((2, 4))), "as many as there are positions")
+    refused("direction", lambda: sn.Target.each(good, direction=good[:2]), "as many as there are positions")
+    refused("direction[1]", lambda: sn.Target.each(direction=[[1, 0, 0], [0, 0, 0]]), "not zero")
+    refused("rotation[0]", lambda: sn.Target.each(rotation=[np.diag([1, 1, -1])]))
+    refused_each("position", (5, "a", [[1, 2]], [1, 2, 3], [[1, 2, True]]), sn.Target.each)
+    refused("position[1]", lambda: sn.Target.each([[1, 2, 3], [1, 2, math.inf]]), "3 finite numbers")
+    refused_each("rotation", (5, "a", [[1, 2]], [1, 0, 0, 0], [[1, 0, 0], [1]]), lambda r: sn.Target.each(rotation=r))
 
 
 def test_what_is_no_list_of_targets_is_refused() -> None:
@@ -128,14 +127,14 @@ def test_what_is_no_list_of_targets_is_refused() -> None:
         "targets", (None, 3, "abc", {"position": (0, 0, 1)}), lambda value: target_list("targets", value), "a Target"
     )
     refused("len(targets)", lambda: target_list("targets", []))
-    refused("len(targets)", lambda: target_list("targets", [Target((0, 0, 1))] * 1001))
-    refused("targets[1]", lambda: target_list("targets", [Target((0, 0, 1)), (0, 0, 1)]))
+    refused("len(targets)", lambda: target_list("targets", [sn.Target((0, 0, 1))] * 1001))
+    refused("targets[1]", lambda: target_list("targets", [sn.Target((0, 0, 1)), (0, 0, 1)]))
 
 
 def test_a_segment_that_the_robot_lacks_is_refused() -> None:
-    targets = (Target((0, 0, 1)), Target((0, 0, 1), segment=4))
+    targets = (sn.Target((0, 0, 1)), sn.Target((0, 0, 1), segment=4))
     refused("targets[1].segment", lambda: target_table(ROBOT, targets), "1 to 3")
-    target_table(ROBOT, (Target((0, 0, 1), segment=3),))
+    target_table(ROBOT, (sn.Target((0, 0, 1), segment=3),))
 
 
 RNG = np.random.default_rng(3)

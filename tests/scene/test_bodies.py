@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.measures.obstacles import measure
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.scene import Scene
 from sinuous.scene.triangles import bodies_overlap, cuts_itself
 from tests.cases import with_each
 from tests.helpers import random_rotation, refused
@@ -55,10 +54,10 @@ def test_bodies_of_one_mesh_that_overlap_are_found_however_little_they_do(
 @pytest.mark.parametrize("second", [cube(0.994), cube(1.0, (0.994, 0.3, 0.2)), cube()])
 def test_a_thin_wall_between_overlapping_bodies_is_never_free(second: Triangles) -> None:
     """Nearer to each other than samples are: the mesh is refused, and its bodies one by one are not."""
-    mesh = Mesh(*together(cube(), second), name="engine")
-    refused("engine", lambda: Scene([mesh]).prepare(), "cuts through itself")
+    mesh = sn.Mesh(*together(cube(), second), name="engine")
+    refused("engine", lambda: sn.Scene([mesh]).prepare(), "cuts through itself")
     inside = np.array([[0.4985, 0.3, 0.2], [0.4985, 0.0, 0.0]])
-    assert (Scene(mesh.bodies()).distance(inside) < 0.0).all()
+    assert (sn.Scene(mesh.bodies()).distance(inside) < 0.0).all()
 
 
 def torus(radius: float, thick: float = 0.3, count: tuple[int, int] = (24, 12)) -> Triangles:
@@ -110,11 +109,11 @@ def test_a_surface_that_cuts_itself_is_found_however_little_it_does(
 def test_a_surface_that_cuts_itself_is_a_shell() -> None:
     """Which side a place is on is not known: nothing is called inside, and the surface is kept clear of."""
     vertices, faces = torus(0.297)
-    mesh = Mesh(vertices, faces, name="ring")
+    mesh = sn.Mesh(vertices, faces, name="ring")
     assert not mesh.watertight
     assert mesh.defects == ("its surface cuts through itself, so it is used as a shell and not as a solid",)
-    assert Mesh(*torus(0.305)).watertight
-    refused("inside", lambda: Mesh(vertices, faces, inside=True), "cuts through itself")
-    within = Scene([mesh]).distance([(0.297, 0.0, 0.0)])
+    assert sn.Mesh(*torus(0.305)).watertight
+    refused("inside", lambda: sn.Mesh(vertices, faces, inside=True), "cuts through itself")
+    within = sn.Scene([mesh]).distance([(0.297, 0.0, 0.0)])
     assert within == pytest.approx(measure(mesh, np.array([[0.297, 0.0, 0.0]])))
     assert (within > 0.2).all()

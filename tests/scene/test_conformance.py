@@ -12,14 +12,12 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+import sinuous as sn
 from sinuous.kernels.fields import distances, solids
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING, TREE
 from sinuous.measures.obstacles import measure
-from sinuous.scene.grids import Field, Grid, sample_points
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
+from sinuous.scene.grids import sample_points
+from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.triangles import Integers
 from tests.cases import with_each
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
@@ -47,7 +45,7 @@ def primitive(obstacle: Obstacle) -> Case:
     return Case(obstacle, lambda p: measure(obstacle, p))
 
 
-def by_triangles(mesh: Mesh) -> Case:
+def by_triangles(mesh: sn.Mesh) -> Case:
     vertices, faces = np.array(mesh.vertices), np.array(mesh.faces)
     signed, unsigned = igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL, igl.SIGNED_DISTANCE_TYPE_UNSIGNED
 
@@ -63,13 +61,13 @@ def by_points(points: Floats, radii: Floats) -> Case:
         each = [cKDTree(points[radii == r]).query(p)[0] - r for r in np.unique(radii)]
         return np.asarray(np.min(each, axis=0))
 
-    return Case(PointCloud(points, radii), truth)
+    return Case(sn.PointCloud(points, radii), truth)
 
 
 def by_cubes(values: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]", spacing: float) -> Case:
     origin = CENTER - 0.5 * spacing * np.array(values.shape)
-    boxes = [Box(origin + spacing * index, np.full(3, spacing)) for index in np.argwhere(values)]
-    return Case(Grid(values, origin, spacing), lambda p: np.min([measure(box, p) for box in boxes], axis=0))
+    boxes = [sn.Box(origin + spacing * index, np.full(3, spacing)) for index in np.argwhere(values)]
+    return Case(sn.Grid(values, origin, spacing), lambda p: np.min([measure(box, p) for box in boxes], axis=0))
 
 
 def torus(p: Floats) -> Floats:
@@ -80,20 +78,20 @@ def torus(p: Floats) -> Floats:
 def sampled_torus(spacing: float) -> Case:
     low, shape = CENTER - HALF, (round(2.8 / spacing), round(2.8 / spacing), round(1.4 / spacing))
     values = torus(sample_points(low, spacing, shape, 0, math.prod(shape))).reshape(shape)
-    return Case(Grid(values, low, spacing), torus, spacing)
+    return Case(sn.Grid(values, low, spacing), torus, spacing)
 
 
 def placed(body: shapes.Triangles, size: float = 1.0) -> tuple[Floats, Integers]:
     return size * body[0] @ TURN.T + CENTER, body[1]
 
 
-def hollow() -> Mesh:
+def hollow() -> sn.Mesh:
     """A ball with a cube cut out of its middle, and a cube aside."""
     aside = shapes.cube(0.5, (1.5, 0.0, 0.0))
-    return Mesh(*placed(shapes.together(shapes.ball(3), shapes.inverted(shapes.cube(0.7)), aside)))
+    return sn.Mesh(*placed(shapes.together(shapes.ball(3), shapes.inverted(shapes.cube(0.7)), aside)))
 
 
-def pocket() -> Mesh:
+def pocket() -> sn.Mesh:
     """A cube with a dent: edges and corners that point inwards."""
     vertices, faces = shapes.cube()
     vertices = np.concatenate([vertices, [[0.1, 0.05, -0.2]]])
@@ -101,35 +99,35 @@ def pocket() -> Mesh:
     rest = [f for f in faces.tolist() if f not in top]
     border = [(f[i], f[(i + 1) % 3]) for f in top for i in range(3)]
     fan = [[a, b, 8] for a, b in border if (b, a) not in border]
-    return Mesh(*placed((vertices, np.array(rest + fan))))
+    return sn.Mesh(*placed((vertices, np.array(rest + fan))))
 
 
 SCAN = RNG.normal(size=(500, 3))
 SCAN = SCAN / np.linalg.norm(SCAN, axis=1)[:, None] + CENTER
 
 FIELDS: dict[str, Callable[[], Case]] = {
-    "sphere": lambda: primitive(Sphere(CENTER, 0.9)),
-    "room": lambda: primitive(Sphere(CENTER, 1.5, inside=True)),
-    "box": lambda: primitive(Box(CENTER, (1.0, 0.5, 1.5), TURN)),
-    "capsule": lambda: primitive(Capsule(CENTER, CENTER + TURN[0], 0.4)),
-    "cylinder": lambda: primitive(Cylinder(CENTER, CENTER + TURN[0], 0.4)),
-    "half-space": lambda: primitive(HalfSpace(CENTER, TURN[1])),
-    "ball of triangles": lambda: by_triangles(Mesh(*placed(shapes.ball(3)))),
-    "cube of triangles": lambda: by_triangles(Mesh(*placed(shapes.cube()))),
+    "sphere": lambda: primitive(sn.Sphere(CENTER, 0.9)),
+    "room": lambda: primitive(sn.Sphere(CENTER, 1.5, inside=True)),
+    "box": lambda: primitive(sn.Box(CENTER, (1.0, 0.5, 1.5), TURN)),
+    "capsule": lambda: primitive(sn.Capsule(CENTER, CENTER + TURN[0], 0.4)),
+    "cylinder": lambda: primitive(sn.Cylinder(CENTER, CENTER + TURN[0], 0.4)),
+    "half-space": lambda: primitive(sn.HalfSpace(CENTER, TURN[1])),
+    "ball of triangles": lambda: by_triangles(sn.Mesh(*placed(shapes.ball(3)))),
+    "cube of triangles": lambda: by_triangles(sn.Mesh(*placed(shapes.cube()))),
     "hollow mesh": lambda: by_triangles(hollow()),
     "mesh with a dent": lambda: by_triangles(pocket()),
-    "mesh around": lambda: by_triangles(Mesh(*placed(shapes.ball(2), 1.5), inside=True)),
-    "shell": lambda: by_triangles(Mesh(*placed((shapes.ball(3)[0], shapes.ball(3)[1][:300])), thickness=0.1)),
-    "surface": lambda: by_triangles(Mesh(*placed((shapes.cube()[0], shapes.cube()[1][:7])))),
-    "one triangle": lambda: by_triangles(Mesh(np.eye(3), [[0, 1, 2]])),
-    "needles": lambda: by_triangles(Mesh(*placed((shapes.cube()[0] * [1e-4, 1e-2, 1.0], shapes.cube()[1])))),
+    "mesh around": lambda: by_triangles(sn.Mesh(*placed(shapes.ball(2), 1.5), inside=True)),
+    "shell": lambda: by_triangles(sn.Mesh(*placed((shapes.ball(3)[0], shapes.ball(3)[1][:300])), thickness=0.1)),
+    "surface": lambda: by_triangles(sn.Mesh(*placed((shapes.cube()[0], shapes.cube()[1][:7])))),
+    "one triangle": lambda: by_triangles(sn.Mesh(np.eye(3), [[0, 1, 2]])),
+    "needles": lambda: by_triangles(sn.Mesh(*placed((shapes.cube()[0] * [1e-4, 1e-2, 1.0], shapes.cube()[1])))),
     "cloud": lambda: by_points(SCAN, np.full(len(SCAN), 0.07)),
     "cloud of all sizes": lambda: by_points(SCAN, RNG.choice([0.0, 0.05, 0.3], len(SCAN))),
     "one point": lambda: by_points(SCAN[:1], np.array([0.5])),
     "cubes": lambda: by_cubes(np.random.default_rng(1).random((6, 5, 4)) < 0.3, 0.25),
     "flat cubes": lambda: by_cubes(np.ones((4, 1, 1), bool), 0.5),
     "sampled distances": lambda: sampled_torus(0.1),
-    "function": lambda: Case(Field(torus, CENTER - HALF, CENTER + HALF, 0.1), torus, 0.1),
+    "function": lambda: Case(sn.Field(torus, CENTER - HALF, CENTER + HALF, 0.1), torus, 0.1),
 }
 EXACT = [name for name in FIELDS if name not in ("sampled distances", "function")]
 SAMPLED = [name for name in FIELDS if name not in EXACT]
@@ -144,7 +142,7 @@ def case(name: str) -> Case:
 
 
 def tables(name: str) -> distances.Scene:
-    return kernel_scene(Scene([case(name).obstacle]))
+    return kernel_scene(sn.Scene([case(name).obstacle]))
 
 
 def around(seed: int, count: int, far: bool = False) -> Floats:
@@ -157,7 +155,7 @@ def around(seed: int, count: int, far: bool = False) -> Floats:
 def close(name: str, seed: int, count: int) -> Floats:
     """Points close to the surface, or as close as one step along the gradient brings them."""
     points = around(seed, count)
-    scene = Scene([case(name).obstacle])
+    scene = sn.Scene([case(name).obstacle])
     feet = points - scene.distance(points)[:, None] * scene.gradient(points)
     return np.asarray(feet + np.random.default_rng(seed).normal(size=points.shape) * 0.02)
 
@@ -171,7 +169,7 @@ def ask(name: str, points: Floats, how: int, reach: float = math.inf) -> Floats:
 @pytest.mark.parametrize("name", FIELDS)
 def test_the_scene_says_the_truth(name: str) -> None:
     points = np.concatenate([around(1, 1500), around(2, 300, far=True), close(name, 3, 500)])
-    scene = Scene([case(name).obstacle])
+    scene = sn.Scene([case(name).obstacle])
     d, true = scene.distance(points), case(name).truth(points)
     assert np.isfinite(d).all()
     if name == "sampled distances":
@@ -183,7 +181,7 @@ def test_the_scene_says_the_truth(name: str) -> None:
 
 @with_each("name", EXACT)
 def test_a_distance_changes_by_at_most_the_distance_moved(name: str) -> None:
-    scene = Scene([case(name).obstacle])
+    scene = sn.Scene([case(name).obstacle])
     rng = np.random.default_rng(5)
     a = np.concatenate([around(6, 1000), close(name, 7, 500)])
     b = a + rng.normal(size=a.shape) * rng.choice([1e-9, 1e-3, 0.1, 1.0], (len(a), 1))
@@ -194,7 +192,7 @@ def test_a_distance_changes_by_at_most_the_distance_moved(name: str) -> None:
 @with_each("name", EXACT)
 def test_gradients_are_unit_and_the_slope(name: str) -> None:
     points = np.concatenate([around(8, 300), close(name, 9, 200)])
-    scene = Scene([case(name).obstacle])
+    scene = sn.Scene([case(name).obstacle])
     gradients = scene.gradient(points)
     np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 1.0, atol=1e-9)
     h = 1e-6
@@ -264,14 +262,14 @@ def test_steps_see_nearly_the_truth_and_its_own_slope(name: str) -> None:
                 np.testing.assert_allclose((np.array(ahead) - seen) / step, slope, atol=1e-4)
 
 
-@with_each("name", [name for name in FIELDS if isinstance(FIELDS[name]().obstacle, Mesh)])
+@with_each("name", [name for name in FIELDS if isinstance(FIELDS[name]().obstacle, sn.Mesh)])
 def test_on_triangles_edges_and_corners_distance_is_nothing(name: str) -> None:
     mesh = case(name).obstacle
-    assert isinstance(mesh, Mesh)
+    assert isinstance(mesh, sn.Mesh)
     corners = mesh.vertices[mesh.faces[:200]]
     weights = np.array([[1, 0, 0], [0, 1, 0], [0.5, 0.5, 0], [0, 0.3, 0.7], [0.2, 0, 0.8], [0.2, 0.3, 0.5]])
     points = np.einsum("wi,fij->fwj", weights, corners).reshape(-1, 3)
-    scene = Scene([mesh])
+    scene = sn.Scene([mesh])
     np.testing.assert_allclose(scene.distance(points), -0.5 * mesh.thickness, atol=2e-13)
     np.testing.assert_allclose(np.linalg.norm(scene.gradient(points), axis=1), 1.0, atol=1e-12)
 
@@ -289,7 +287,7 @@ def test_samples_alone_prove_less_but_not_much_less(name: str) -> None:
 
 def test_all_together_are_their_union() -> None:
     cases = [case(name) for name in FIELDS if name not in ("room", "mesh around", "sampled distances")]
-    scene = Scene([each.obstacle for each in cases])
+    scene = sn.Scene([each.obstacle for each in cases])
     points = np.concatenate([around(21, 300), around(22, 50, far=True)])
     each = np.stack([c.truth(points) for c in cases])
     np.testing.assert_allclose(scene.distance(points), each.min(axis=0), rtol=1e-9, atol=1e-9)

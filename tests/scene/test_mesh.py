@@ -10,10 +10,9 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.measures.obstacles import measure
 from sinuous.scene import mesh_files, triangles
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.scene import Scene
 from tests.cases import with_each
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 from tests.scene.shapes import ball, cube, inverted, soup, together
@@ -23,12 +22,12 @@ trimesh = pytest.importorskip("trimesh")
 OPEN = (cube()[0], cube()[1][1:])
 
 
-def volume(mesh: Mesh) -> float:
+def volume(mesh: sn.Mesh) -> float:
     return triangles.enclosed_volume(mesh.vertices, mesh.faces)
 
 
 def test_a_closed_mesh_is_a_solid() -> None:
-    mesh = Mesh(*cube(2.0), name="die")
+    mesh = sn.Mesh(*cube(2.0), name="die")
     assert mesh.watertight
     assert mesh.defects == ()
     assert volume(mesh) == pytest.approx(8.0)
@@ -37,21 +36,21 @@ def test_a_closed_mesh_is_a_solid() -> None:
     assert mesh.faces.dtype == np.int64
     assert not mesh.vertices.flags.writeable
     assert not mesh.faces.flags.writeable
-    assert Mesh(*cube(), inside=True).inside
+    assert sn.Mesh(*cube(), inside=True).inside
 
 
 def test_a_soup_of_triangles_is_sewn_together() -> None:
-    mesh = Mesh(*soup(ball()))
+    mesh = sn.Mesh(*soup(ball()))
     assert mesh.watertight
     assert mesh.defects == ()
     assert len(mesh.vertices) == len(ball()[0])
     signed_zero = soup(cube())
     signed_zero[0][::2] *= np.where(signed_zero[0][::2] == 0.0, -1.0, 1.0)
-    assert Mesh(*signed_zero).watertight
+    assert sn.Mesh(*signed_zero).watertight
 
 
 def test_holes_make_a_shell() -> None:
-    mesh = Mesh(*OPEN, thickness=0.1)
+    mesh = sn.Mesh(*OPEN, thickness=0.1)
     assert not mesh.watertight
     assert mesh.thickness == 0.1
     (defect,) = mesh.defects
@@ -69,7 +68,7 @@ def test_holes_make_a_shell() -> None:
     ],
 )
 def test_bodies_that_face_inwards_are_turned(body: Any, turned: int, size: float) -> None:
-    mesh = Mesh(*body)
+    mesh = sn.Mesh(*body)
     assert mesh.watertight
     assert mesh.defects == (f"{turned} triangles faced inwards and were turned",)
     assert volume(mesh) == pytest.approx(size)
@@ -80,19 +79,19 @@ def test_triangles_against_their_neighbours_are_turned(seed: int) -> None:
     vertices, faces = together(ball(), inverted(cube(0.5)), cube(1.0, (4, 0, 0)))
     wrong = np.random.default_rng(seed).random(len(faces)) < 0.2
     mixed = np.where(wrong[:, None], faces[:, ::-1], faces)
-    mesh = Mesh(vertices, mixed)
+    mesh = sn.Mesh(vertices, mixed)
     assert mesh.watertight
-    assert volume(mesh) == pytest.approx(volume(Mesh(vertices, faces)))
+    assert volume(mesh) == pytest.approx(volume(sn.Mesh(vertices, faces)))
     assert mesh.defects == (f"{wrong.sum()} triangles faced another way than the neighbours and were turned",)
 
 
 def test_triangles_without_area_are_dropped_and_said() -> None:
     vertices, faces = cube()
     lines = np.concatenate([faces, [[0, 0, 1], [3, 3, 3]]])
-    mesh = Mesh(vertices, lines)
+    mesh = sn.Mesh(vertices, lines)
     assert mesh.watertight
     assert mesh.defects == ("2 triangles without area dropped",)
-    sliver = Mesh([[0, 0, 0], [1, 0, 0], [0.3, 1e-14, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 3]])
+    sliver = sn.Mesh([[0, 0, 0], [1, 0, 0], [0.3, 1e-14, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 3]])
     assert len(sliver.faces) == 1
     assert len(sliver.vertices) == 3
     assert sliver.defects[0] == "1 triangle without area dropped"
@@ -103,7 +102,7 @@ def test_files_of_every_kind(tmp_path: Path, kind: str) -> None:
     turn, body = random_rotation(np.random.default_rng(1)), ball(1)
     file = tmp_path / f"ball.{kind}"
     trimesh.Trimesh(*body, process=False).export(file)
-    mesh = Mesh.load(file, 2.0, position=(1, 2, 3), rotation=turn, name="ball", up="z")
+    mesh = sn.Mesh.load(file, 2.0, position=(1, 2, 3), rotation=turn, name="ball", up="z")
     assert mesh.watertight
     assert mesh.defects == ()
     assert mesh.scale == 2.0
@@ -121,7 +120,7 @@ def test_all_bodies_of_a_scene_are_used_where_they_stand(tmp_path: Path) -> None
     scene.add_geometry(part, transform=trimesh.transformations.translation_matrix((0, 3, 0)))
     file = tmp_path / "parts.glb"
     scene.export(file)
-    mesh = Mesh.load(file, 1)  # y is up in the file: (x, y, z) of it is (x, -z, y)
+    mesh = sn.Mesh.load(file, 1)  # y is up in the file: (x, y, z) of it is (x, -z, y)
     assert mesh.watertight
     assert len(mesh.faces) == 24
     np.testing.assert_allclose(mesh.vertices.min(axis=0), (-0.5, -0.5, -0.5), atol=1e-6)
@@ -134,11 +133,11 @@ def test_the_axis_that_is_up_is_turned_to_z(tmp_path: Path, kind: str) -> None:
     file = tmp_path / f"part.{kind}"
     trimesh.creation.box((1, 2, 3)).export(file)
     asked: tuple[Literal["y", "z"] | None, ...] = (None, "y", "z")
-    sizes = [np.ptp(Mesh.load(file, 1, up=up).vertices, axis=0).round(6).tolist() for up in asked]
+    sizes = [np.ptp(sn.Mesh.load(file, 1, up=up).vertices, axis=0).round(6).tolist() for up in asked]
     turned, kept = [1.0, 3.0, 2.0], [1.0, 2.0, 3.0]
     assert sizes == [turned if kind == "glb" else kept, turned, kept]
-    assert Mesh.load(file, 1, up="y").source.arguments["up"] == "y"  # type: ignore[union-attr]
-    refused("up", lambda: Mesh.load(file, 1, up="x"), "y or z")  # type: ignore[arg-type]
+    assert sn.Mesh.load(file, 1, up="y").source.arguments["up"] == "y"  # type: ignore[union-attr]
+    refused("up", lambda: sn.Mesh.load(file, 1, up="x"), "y or z")  # type: ignore[arg-type]
 
 
 def model(text: str) -> bytes:
@@ -163,7 +162,7 @@ def test_3mf_is_built_as_it_says(tmp_path: Path) -> None:
     <build><item objectid='2' transform='0 1 0 -1 0 0 0 0 1 7 8 9'/><item objectid='1'/></build></model>"""
     file = tmp_path / "part.3mf"
     file.write_bytes(model(text))
-    mesh, expected = Mesh.load(file, 2.0), trimesh.load_scene(file).to_geometry()
+    mesh, expected = sn.Mesh.load(file, 2.0), trimesh.load_scene(file).to_geometry()
     assert mesh.defects[0] == "its unit is the inch; its lengths were multiplied by scale, and by nothing else"
     assert volume(mesh) == pytest.approx(3 * 8.0)
     gaps = np.linalg.norm(mesh.vertices[:, None] - 2.0 * expected.vertices, axis=-1)
@@ -179,7 +178,7 @@ def test_3mf_is_built_as_it_says(tmp_path: Path) -> None:
         (model("<model><build/></model>"), "builds no triangles"),
     ):
         file.write_bytes(content)
-        refused("file", lambda: Mesh.load(file, 1.0), wanted)
+        refused("file", lambda: sn.Mesh.load(file, 1.0), wanted)
 
 
 def test_what_comments_say_of_units_and_axes_is_noted(tmp_path: Path) -> None:
@@ -188,16 +187,16 @@ def test_what_comments_say_of_units_and_axes_is_noted(tmp_path: Path) -> None:
         lines = (text if isinstance(text, str) else text.decode()).splitlines()
         lines.insert(2, line)
         (tmp_path / f"a.{kind}").write_text("\n".join(lines) + "\n")
-        assert "which changed nothing" in Mesh.load(tmp_path / f"a.{kind}", 1).defects[0]
+        assert "which changed nothing" in sn.Mesh.load(tmp_path / f"a.{kind}", 1).defects[0]
 
 
 FACET = "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0\n endloop\nendfacet\n"
 
 
 def test_stl_files_say_what_is_wrong_with_them(tmp_path: Path) -> None:
-    def load(content: bytes | str) -> Mesh:
+    def load(content: bytes | str) -> sn.Mesh:
         (tmp_path / "part.stl").write_bytes(content.encode() if isinstance(content, str) else content)
-        return Mesh.load(tmp_path / "part.stl", 1)
+        return sn.Mesh.load(tmp_path / "part.stl", 1)
 
     for text in (
         "solid a\n" + FACET + "end solid a\n",
@@ -223,28 +222,30 @@ def test_stl_files_say_what_is_wrong_with_them(tmp_path: Path) -> None:
 
 def test_wrong_arrays_are_refused() -> None:
     vertices, faces = cube()
-    refused("vertices", lambda: Mesh(vertices[:, :2], faces), "shape (8, 2); ")
-    refused("vertices", lambda: Mesh([], faces), "at least one point")
-    refused("vertices", lambda: Mesh("cube", faces))  # type: ignore[arg-type]
+    refused("vertices", lambda: sn.Mesh(vertices[:, :2], faces), "shape (8, 2); ")
+    refused("vertices", lambda: sn.Mesh([], faces), "at least one point")
+    refused("vertices", lambda: sn.Mesh("cube", faces))  # type: ignore[arg-type]
     refused(
-        "vertices[3]", lambda: Mesh(np.where(np.arange(8)[:, None] == 3, np.nan, vertices), faces), "3 finite numbers"
+        "vertices[3]",
+        lambda: sn.Mesh(np.where(np.arange(8)[:, None] == 3, np.nan, vertices), faces),
+        "3 finite numbers",
     )
-    refused("vertices[0]", lambda: Mesh(1e200 * vertices, faces), "too large")
-    refused("faces", lambda: Mesh(vertices, []), "at least one triangle")
-    refused("faces", lambda: Mesh(vertices, np.zeros((0, 3), int)), "at least one triangle")
-    refused("faces", lambda: Mesh(vertices, faces[:, :2]), "shape (12, 2); ")
-    refused("faces", lambda: Mesh(vertices, faces.astype(float)), "whole numbers from 0 to 7")
-    refused("faces", lambda: Mesh(vertices, [[0, 1], [2]]))
-    refused("faces[1]", lambda: Mesh(vertices, [[0, 1, 2], [0, 1, 8]]), "[0, 1, 8]", "0 to 7")
-    refused("faces[0]", lambda: Mesh(vertices, [[0, 1, -1]]), "[0, 1, -1]", "not there")
-    refused("faces", lambda: Mesh(vertices, [[0, 1, 1]]), "without area")
+    refused("vertices[0]", lambda: sn.Mesh(1e200 * vertices, faces), "too large")
+    refused("faces", lambda: sn.Mesh(vertices, []), "at least one triangle")
+    refused("faces", lambda: sn.Mesh(vertices, np.zeros((0, 3), int)), "at least one triangle")
+    refused("faces", lambda: sn.Mesh(vertices, faces[:, :2]), "shape (12, 2); ")
+    refused("faces", lambda: sn.Mesh(vertices, faces.astype(float)), "whole numbers from 0 to 7")
+    refused("faces", lambda: sn.Mesh(vertices, [[0, 1], [2]]))
+    refused("faces[1]", lambda: sn.Mesh(vertices, [[0, 1, 2], [0, 1, 8]]), "[0, 1, 8]", "0 to 7")
+    refused("faces[0]", lambda: sn.Mesh(vertices, [[0, 1, -1]]), "[0, 1, -1]", "not there")
+    refused("faces", lambda: sn.Mesh(vertices, [[0, 1, 1]]), "without area")
 
 
 def test_wrong_options_are_refused() -> None:
-    refused_each("thickness", [*NOT_NUMBERS, -1.0], lambda value: Mesh(*OPEN, thickness=value))
-    refused("thickness", lambda: Mesh(*cube(), thickness=0.1), "open meshes", "a solid")
-    refused("inside", lambda: Mesh(*OPEN, inside=True), "watertight", "3 edges with one triangle only (holes)")
-    refused("inside", lambda: Mesh(*cube(), inside=1), "true or false")  # type: ignore[arg-type]
+    refused_each("thickness", [*NOT_NUMBERS, -1.0], lambda value: sn.Mesh(*OPEN, thickness=value))
+    refused("thickness", lambda: sn.Mesh(*cube(), thickness=0.1), "open meshes", "a solid")
+    refused("inside", lambda: sn.Mesh(*OPEN, inside=True), "watertight", "3 edges with one triangle only (holes)")
+    refused("inside", lambda: sn.Mesh(*cube(), inside=1), "true or false")  # type: ignore[arg-type]
 
 
 def test_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -253,9 +254,9 @@ def test_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     def load(name: str, content: bytes = b"", scale: Any = 1.0) -> Any:
         file = tmp_path / name
         file.write_bytes(content)
-        return lambda: Mesh.load(file, scale)
+        return lambda: sn.Mesh.load(file, scale)
 
-    refused("file", lambda: Mesh.load(tmp_path / "none.stl", 1), "No such file")
+    refused("file", lambda: sn.Mesh.load(tmp_path / "none.stl", 1), "No such file")
     refused("file", load("cube.step"), "ends in .stl, .ply, .obj, .3mf, .glb")
     for name in ("a.stl", "a.ply", "a.obj", "a.glb"):
         for content in (b"", b"This is no mesh\n", bytes(range(256))):
@@ -270,20 +271,20 @@ def test_wrong_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     refused("file", load("points.obj", b"v 0 0 0\nv 1 0 0\n"), "at least one triangle")
     refused_each("scale", [*NOT_NUMBERS, 0.0, -1.0], lambda value: load("a.obj", b"", value)())
     with pytest.raises(TypeError, match="scale"):
-        Mesh.load(tmp_path / "a.obj")  # type: ignore[call-arg]
+        sn.Mesh.load(tmp_path / "a.obj")  # type: ignore[call-arg]
 
 
 def test_without_trimesh_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "a.obj"
     file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     monkeypatch.setitem(sys.modules, "trimesh", None)
-    refused("file", lambda: Mesh.load(file, 1.0), "needs trimesh", "pip install sinuous[mesh]")
-    assert len(Mesh(*cube()).faces) == 12
+    refused("file", lambda: sn.Mesh.load(file, 1.0), "needs trimesh", "pip install sinuous[mesh]")
+    assert len(sn.Mesh(*cube()).faces) == 12
 
 
 @with_each(("size", "fits"), [(1e-4, False), (0.01, True), (1.0, True), (400.0, True), (2000.0, False)])
 def test_a_scale_that_cannot_be_meant_is_refused(size: float, fits: bool) -> None:
-    mesh = Mesh(*cube(size))
+    mesh = sn.Mesh(*cube(size))
     if fits:
         mesh.check_size(1.0)
     else:
@@ -301,7 +302,7 @@ def test_slivers_leave_a_solid_closed(count: int, share: float) -> None:
         new = len(vertices)
         vertices = np.concatenate([vertices, [share * vertices[a] + (1.0 - share) * vertices[b]]])
         faces = np.concatenate([[[a, new, c], [new, b, c], [a, b, new]], faces[1:]])
-    mesh = Mesh(vertices, faces)
+    mesh = sn.Mesh(vertices, faces)
     assert mesh.watertight
     assert volume(mesh) == pytest.approx(1.0)
     assert mesh.defects[0].startswith(f"{count} triangle")
@@ -326,7 +327,7 @@ def test_decimation_never_claims_more_room(most: float) -> None:
     igl = pytest.importorskip("igl")
     pytest.importorskip("fast_simplification")
     rng = np.random.default_rng(3)
-    mesh = Mesh(*bumpy(40))
+    mesh = sn.Mesh(*bumpy(40))
     fewer = mesh.decimated(most)
     assert len(fewer.faces) < 0.8 * len(mesh.faces)
     assert fewer.watertight
@@ -338,7 +339,7 @@ def test_decimation_never_claims_more_room(most: float) -> None:
     points = np.concatenate([rng.uniform(-1.6, 1.6, (500, 3)), places[:500] + rng.normal(scale=most, size=(500, 3))])
     before = np.sqrt(igl.point_mesh_squared_distance(points, mesh.vertices, mesh.faces)[0])
     before *= np.where((igl.fast_winding_number(mesh.vertices, mesh.faces, points) > 0.5), -1.0, 1.0)
-    scene = Scene([fewer]).snapshot()
+    scene = sn.Scene([fewer]).snapshot()
     assert (scene.distance(points) <= before + 1e-12).all()
     np.testing.assert_allclose(scene.distance(points), measure(fewer, points), atol=1e-9)
 
@@ -346,11 +347,11 @@ def test_decimation_never_claims_more_room(most: float) -> None:
 def test_decimation_in_files_is_said_and_kept(tmp_path: Path) -> None:
     pytest.importorskip("fast_simplification")
     trimesh.Trimesh(*bumpy(30), process=False).export(tmp_path / "a.ply")
-    mesh = Mesh.load(tmp_path / "a.ply", 10.0, decimate=1.0)
+    mesh = sn.Mesh.load(tmp_path / "a.ply", 10.0, decimate=1.0)
     assert mesh.source is not None
     assert mesh.source.arguments["decimate"] == 1.0
     assert 0.0 < mesh.margin <= 1.0
     assert mesh._box[1, 0] >= mesh.vertices[:, 0].max() + mesh.margin
     assert mesh.decimated(1e-9) is mesh
-    refused("decimate", lambda: Mesh(*bumpy(9), inside=True).decimated(1.0), "the body stays out of")
-    refused_each("decimate", (0.0, -1.0, "a"), lambda value: Mesh.load(tmp_path / "a.ply", 1.0, decimate=value))
+    refused("decimate", lambda: sn.Mesh(*bumpy(9), inside=True).decimated(1.0), "the body stays out of")
+    refused_each("decimate", (0.0, -1.0, "a"), lambda value: sn.Mesh.load(tmp_path / "a.ply", 1.0, decimate=value))

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.answer.worst import compiled_clearance
 from sinuous.measures import body
 from sinuous.measures.body import BodyPlace, body_places, segment_ends
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
-from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.snapshot import room_at
 from tests.helpers import Floats
 from tests.solver.test_live import MADE
@@ -17,14 +15,14 @@ from tests.solver.test_live import MADE
 SCENES: dict[str, list[Obstacle]] = {
     **{name: [make()] for name, make in MADE.items()},
     "primitives": [
-        Sphere((0.4, 0.1, 0.5), 0.2),
-        Box((-0.4, 0.2, 0.6), (0.2, 0.3, 0.4)),
-        HalfSpace((0, 0, -0.2), (0, 0, 1)),
+        sn.Sphere((0.4, 0.1, 0.5), 0.2),
+        sn.Box((-0.4, 0.2, 0.6), (0.2, 0.3, 0.4)),
+        sn.HalfSpace((0, 0, -0.2), (0, 0, 1)),
     ],
-    "all": [Cylinder((0.9, -1, 0.4), (0.9, 1, 0.4), 0.3), *(make() for make in MADE.values())],
+    "all": [sn.Cylinder((0.9, -1, 0.4), (0.9, 1, 0.4), 0.3), *(make() for make in MADE.values())],
     "nothing": [],
 }
-ROBOT = Robot([Segment((0.0, 0.4), 3.0, radius=radius) for radius in (0.02, 0.05, 0.01)], mount=0.15)
+ROBOT = sn.Robot([sn.Segment((0.0, 0.4), 3.0, radius=radius) for radius in (0.02, 0.05, 0.01)], mount=0.15)
 
 
 def bent(rng: np.random.Generator) -> Floats:
@@ -43,7 +41,7 @@ def standing(q: Floats, place: BodyPlace) -> Floats:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
-    scene = Scene(SCENES[name]).snapshot()
+    scene = sn.Scene(SCENES[name]).snapshot()
     rng = np.random.default_rng(1)
     for _ in range(4):
         q = bent(rng)
@@ -66,7 +64,7 @@ def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in SCENES if name != "nothing"])
 def test_a_place_has_as_much_room_as_other_code_says(name: str) -> None:
-    scene = Scene(SCENES[name]).snapshot()
+    scene = sn.Scene(SCENES[name]).snapshot()
     # Out of a grid of distances there are bounds alone, and not the same.
     for place in np.random.default_rng(2).uniform((-0.8, -0.8, -0.3), (0.8, 0.8, 1.3), (12, 3)):
         expected = body.room_at(place, scene)

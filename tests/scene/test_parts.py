@@ -8,7 +8,6 @@ import pytest
 import sinuous as sn
 from sinuous.kernels.tables import MANY_OBSTACLES
 from sinuous.scene import parts
-from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.parts import Part
 from sinuous.scene.sampling import Progress
@@ -24,7 +23,7 @@ def test_one_obstacle_is_prepared_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return Part(np.zeros(18), np.zeros(0))
 
     monkeypatch.setattr(parts, "_prepare", slow)
-    mesh = Mesh(*shapes.cube())
+    mesh = sn.Mesh(*shapes.cube())
     threads = [threading.Thread(target=parts.prepare, args=(mesh, "one")) for _ in range(4)]
     for thread in threads:
         thread.start()
@@ -36,7 +35,7 @@ def test_one_obstacle_is_prepared_once(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_small_meshes_have_cells_of_their_own_unless_there_are_many() -> None:
     rng = np.random.default_rng(0)
     vertices, faces = shapes.cube(0.6)
-    meshes = [Mesh(vertices + 4.0 * rng.random(3), faces) for _ in range(MANY_OBSTACLES)]
+    meshes = [sn.Mesh(vertices + 4.0 * rng.random(3), faces) for _ in range(MANY_OBSTACLES)]
     points = 5.0 * rng.random((50, 3)) - 0.5
     scene, few = sn.Scene(meshes), sn.Scene(meshes[:3])
     boxes = sn.Scene([sn.Box(mesh.vertices.mean(axis=0), np.ptp(mesh.vertices, axis=0)) for mesh in meshes])

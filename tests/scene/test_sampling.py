@@ -6,15 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.blocks import EDGE
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
 from sinuous.scene import parts, sampling
-from sinuous.scene.grids import Grid
-from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from tests.scene import shapes
 
@@ -27,9 +24,9 @@ def test_every_point_of_a_grid_has_its_sample(kind: str, monkeypatch: pytest.Mon
     rng = np.random.default_rng(2)
     vertices, faces = shapes.ball(3)
     obstacle: Obstacle = {
-        "mesh": Mesh(np.array(vertices) * (1.0, 0.8, 0.7), faces),
-        "cloud": PointCloud(rng.normal(size=(300, 3)) * (1.0, 0.8, 0.7), rng.choice([0.01, 0.2], 300)),
-        "grid": Grid(rng.random((9, 7, 6)) > 0.8, (0.0, 0.0, 0.0), 0.1),
+        "mesh": sn.Mesh(np.array(vertices) * (1.0, 0.8, 0.7), faces),
+        "cloud": sn.PointCloud(rng.normal(size=(300, 3)) * (1.0, 0.8, 0.7), rng.choice([0.01, 0.2], 300)),
+        "grid": sn.Grid(rng.random((9, 7, 6)) > 0.8, (0.0, 0.0, 0.0), 0.1),
     }[kind]
     part = parts.prepare(obstacle, kind)
     shape = part.row[SHAPE : SHAPE + 3].astype(int)
@@ -43,17 +40,17 @@ def test_every_point_of_a_grid_has_its_sample(kind: str, monkeypatch: pytest.Mon
 
 def _pieces(obstacle: Obstacle) -> Any:
     """Its tree alone."""
-    if isinstance(obstacle, Mesh):
+    if isinstance(obstacle, sn.Mesh):
         return parts.triangles(obstacle)
-    if isinstance(obstacle, PointCloud):
+    if isinstance(obstacle, sn.PointCloud):
         return parts.balls(obstacle)
-    assert isinstance(obstacle, Grid)
+    assert isinstance(obstacle, sn.Grid)
     return parts.cubes(obstacle.origin + obstacle.spacing * np.argwhere(obstacle.values), obstacle.spacing)
 
 
 def test_progress_goes_from_nothing_to_all() -> None:
     seen: list[tuple[str, float]] = []
-    Scene([Mesh(*shapes.cube(), name="housing")]).prepare(lambda name, share: seen.append((name, share)))
+    sn.Scene([sn.Mesh(*shapes.cube(), name="housing")]).prepare(lambda name, share: seen.append((name, share)))
     assert {name for name, _ in seen} == {"housing"}
     shares = [share for _, share in seen]
     assert shares == sorted(shares)
@@ -72,5 +69,5 @@ def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(solids, "sample", slab)
     with pytest.raises(KeyboardInterrupt):
-        Scene([Mesh(*shapes.ball(2))]).prepare(interrupted)
+        sn.Scene([sn.Mesh(*shapes.ball(2))]).prepare(interrupted)
     assert len(computed) < sampling.SLABS // 2

@@ -10,29 +10,24 @@ import pytest
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from sinuous.scene.grids import Grid
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
 from tests.cases import with_each
 from tests.helpers import Floats, random_rotation, refused, refused_each
 
 OBSTACLES = [
-    Sphere((0, 0, 0), 1),
-    Box((3, 0, 0), (1, 2, 3)),
-    Capsule((0, 3, 0), (0, 5, 1), 0.5, name="pipe"),
-    HalfSpace((0, 0, -4), (0, 0, 1)),
+    sn.Sphere((0, 0, 0), 1),
+    sn.Box((3, 0, 0), (1, 2, 3)),
+    sn.Capsule((0, 3, 0), (0, 5, 1), 0.5, name="pipe"),
+    sn.HalfSpace((0, 0, -4), (0, 0, 1)),
 ]
-SCENE = Scene(OBSTACLES)
+SCENE = sn.Scene(OBSTACLES)
 
 
 def test_the_union_is_as_far_as_its_nearest() -> None:
     points = 3.0 * np.random.default_rng(0).normal(size=(300, 3))
-    each = np.stack([Scene([obstacle]).distance(points) for obstacle in OBSTACLES])
+    each = np.stack([sn.Scene([obstacle]).distance(points) for obstacle in OBSTACLES])
     np.testing.assert_array_equal(SCENE.distance(points), each.min(axis=0))
     np.testing.assert_array_equal(SCENE.nearest(points), each.argmin(axis=0))
-    gradients = np.stack([Scene([obstacle]).gradient(points) for obstacle in OBSTACLES])
+    gradients = np.stack([sn.Scene([obstacle]).gradient(points) for obstacle in OBSTACLES])
     np.testing.assert_array_equal(SCENE.gradient(points), gradients[each.argmin(axis=0), np.arange(300)])
     assert set(each.argmin(axis=0)) == {0, 1, 2, 3}
 
@@ -50,7 +45,7 @@ def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
 
 
 def test_an_empty_scene_is_infinitely_far() -> None:
-    empty = Scene()
+    empty = sn.Scene()
     assert len(empty) == 0
     assert empty.distance((0, 0, 0)) == math.inf
     assert empty.nearest((0, 0, 0)) == -1
@@ -59,8 +54,8 @@ def test_an_empty_scene_is_infinitely_far() -> None:
 
 
 def test_what_is_no_obstacle_is_refused() -> None:
-    refused("scene[1]", lambda: Scene([OBSTACLES[0], "sphere"]), "an obstacle")  # type: ignore[list-item]
-    refused_each("scene", (None, 3, "room.yaml"), Scene)
+    refused("scene[1]", lambda: sn.Scene([OBSTACLES[0], "sphere"]), "an obstacle")  # type: ignore[list-item]
+    refused_each("scene", (None, 3, "room.yaml"), sn.Scene)
 
 
 @with_each(
@@ -77,22 +72,24 @@ def cloud(seed: int, count: int = 300, shift: float = 0.0) -> Floats:
 
 
 def test_an_update_replaces_the_cloud() -> None:
-    wall, points = HalfSpace((0, 0, -9), (0, 0, 1)), np.random.default_rng(7).normal(size=(50, 3)) * 3.0
-    scene = Scene([wall, PointCloud(cloud(1), 0.1, name="camera")])
+    wall, points = sn.HalfSpace((0, 0, -9), (0, 0, 1)), np.random.default_rng(7).normal(size=(50, 3)) * 3.0
+    scene = sn.Scene([wall, sn.PointCloud(cloud(1), 0.1, name="camera")])
     scene.distance(points)
     for count, shift in ((50, 2.0), (4000, -1.0), (1, 0.0)):
         scene.update(cloud(2, count, shift))
-        fresh = Scene([wall, PointCloud(cloud(2, count, shift), 0.1)])
+        fresh = sn.Scene([wall, sn.PointCloud(cloud(2, count, shift), 0.1)])
         np.testing.assert_array_equal(scene.distance(points), fresh.distance(points))
         assert [scene.name(i) for i in range(2)] == ["half_space[0]", "camera"]
     sizes = np.linspace(0.0, 0.3, 300)
     scene.update(cloud(3), sizes)
-    np.testing.assert_array_equal(scene.distance(points), Scene([wall, PointCloud(cloud(3), sizes)]).distance(points))
+    np.testing.assert_array_equal(
+        scene.distance(points), sn.Scene([wall, sn.PointCloud(cloud(3), sizes)]).distance(points)
+    )
     refused("radius", lambda: scene.update(cloud(4)), "missing")
 
 
 def test_an_update_leaves_out_what_is_not_finite_and_what_is_the_robot() -> None:
-    scene = Scene([PointCloud(cloud(1), 0.01, name="camera")])
+    scene = sn.Scene([sn.PointCloud(cloud(1), 0.01, name="camera")])
     places = cloud(2)
     places[5] = np.nan
     refused("points[5]", lambda: scene.update(places), "1 of 300 points are not finite")
@@ -114,21 +111,21 @@ def test_an_update_leaves_out_what_is_not_finite_and_what_is_the_robot() -> None
 
 
 def test_which_cloud_must_be_clear() -> None:
-    two = Scene([PointCloud(cloud(1), 0.1, name="left"), PointCloud(cloud(2, shift=9.0), 0.1)])
+    two = sn.Scene([sn.PointCloud(cloud(1), 0.1, name="left"), sn.PointCloud(cloud(2, shift=9.0), 0.1)])
     refused("name", lambda: two.update(cloud(3)), "leaves open", "left, points[1]")
     refused("name", lambda: two.update(cloud(3), name="right"), "names no point cloud")
-    refused("name", lambda: Scene([Sphere((0, 0, 0), 1)]).update(cloud(3)), "a scene with a point cloud")
+    refused("name", lambda: sn.Scene([sn.Sphere((0, 0, 0), 1)]).update(cloud(3)), "a scene with a point cloud")
     refused("points[3]", lambda: two.update([*cloud(1)[:3].tolist(), [0.0, 0.0, np.nan]], name="left"))
     two.update(cloud(3, shift=3.0), name="points[1]")
     np.testing.assert_array_equal(
         two.distance(cloud(4)),
-        Scene([PointCloud(cloud(1), 0.1), PointCloud(cloud(3, shift=3.0), 0.1)]).distance(cloud(4)),
+        sn.Scene([sn.PointCloud(cloud(1), 0.1), sn.PointCloud(cloud(3, shift=3.0), 0.1)]).distance(cloud(4)),
     )
 
 
 def test_of_sampled_distances_there_is_a_range() -> None:
     values = np.linalg.norm(np.argwhere(np.ones((9, 9, 9))) - 4.0, axis=1).reshape(9, 9, 9) - 2.0
-    scene = Scene([Grid(values, (-4, -4, -4), 1.0), Sphere((20, 0, 0), 1.0)])
+    scene = sn.Scene([sn.Grid(values, (-4, -4, -4), 1.0), sn.Sphere((20, 0, 0), 1.0)])
     points = np.random.default_rng(5).uniform(-4, 4, (200, 3))
     true = np.linalg.norm(points, axis=1) - 2.0
     assert (scene.distance(points) <= true).all()
@@ -139,16 +136,16 @@ def test_of_sampled_distances_there_is_a_range() -> None:
 
 
 def test_beside_nothing_a_snapshot_is_itself() -> None:
-    snapshot = Scene([Sphere((5, 0, 0), 1)]).snapshot()
+    snapshot = sn.Scene([sn.Sphere((5, 0, 0), 1)]).snapshot()
     assert snapshot.beside([]) is snapshot
 
 
 def test_a_snapshot_beside_meshes_has_them_too_and_samples_nothing() -> None:
-    scene = Scene([Sphere((0, 0, 0), 1.0, name="ball")]).snapshot()
-    sheet = Mesh([(3, -1, -1), (3, 1, -1), (3, 0, 1)], [(0, 1, 2)], thickness=0.2, name="sheet")
+    scene = sn.Scene([sn.Sphere((0, 0, 0), 1.0, name="ball")]).snapshot()
+    sheet = sn.Mesh([(3, -1, -1), (3, 1, -1), (3, 0, 1)], [(0, 1, 2)], thickness=0.2, name="sheet")
     both = scene.beside([sheet])
     points = np.random.default_rng(0).uniform(-4.0, 4.0, (200, 3))
-    expected = np.minimum(scene.distance(points), Scene([sheet]).distance(points))
+    expected = np.minimum(scene.distance(points), sn.Scene([sheet]).distance(points))
     np.testing.assert_allclose(both.distance(points), expected, atol=1e-9)
     assert [both.name(i) for i in range(2)] == ["ball", "sheet"]
     assert both.memory < 10_000

@@ -11,12 +11,11 @@ import sinuous as sn
 from benchmarks.places import Place, make
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
-from sinuous.solver.solver import Solver
 from tests.solver.route_classes.places import BARS, DOORS, ROBOT, TARGET, bars, crossing, pillar, wall
 
 
-def solver(scene: list[Obstacle]) -> Solver:
-    return Solver(ROBOT, scene, time=60.0, max_starts=150)
+def solver(scene: list[Obstacle]) -> sn.Solver:
+    return sn.Solver(ROBOT, scene, time=60.0, max_starts=150)
 
 
 @cache
@@ -84,7 +83,7 @@ def test_what_is_all_around_is_gone_through() -> None:
 
 
 def test_by_shape_all_distinct_ones_are_found_and_named() -> None:
-    found = Solver(ROBOT, pillar(), time=60.0, max_starts=60).solve_all(TARGET, count=12, by="shape")
+    found = sn.Solver(ROBOT, pillar(), time=60.0, max_starts=60).solve_all(TARGET, count=12, by="shape")
     assert len(found) > 4
     sides: dict[int, set[int | None]] = {}
     for solution in found:
@@ -105,10 +104,10 @@ def test_without_obstacles_shapes_are_distinct_and_have_no_class() -> None:
 
 
 @cache
-def solved_place(family: str, number: int) -> tuple[Place, Solver]:
+def solved_place(family: str, number: int) -> tuple[Place, sn.Solver]:
     """A place that one solve manages."""
     there = make(family, number)
-    in_there = Solver(there.robot, there.scene, tolerance=there.tolerance, time=60.0, max_starts=200)
+    in_there = sn.Solver(there.robot, there.scene, tolerance=there.tolerance, time=60.0, max_starts=200)
     assert in_there.solve(there.targets).solved
     return there, in_there
 

@@ -8,21 +8,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from sinuous.answer.solution import Solution
+import sinuous as sn
 from sinuous.kernels.step.newton import SAMPLED_PROOF_SLACK
 from sinuous.measures.obstacles import measure
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target
-from sinuous.scene.grids import Field, Grid
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.scene import Scene
-from sinuous.solver.solver import Solver
+from sinuous.scene.obstacles import Obstacle
 from tests.helpers import Floats
 from tests.scene import shapes
 
-ROBOT = Robot.uniform(4, (0.2, 0.35), 2.4, radius=0.03)
+ROBOT = sn.Robot.uniform(4, (0.2, 0.35), 2.4, radius=0.03)
 
 
 def ring(p: Floats) -> Floats:
@@ -30,9 +23,9 @@ def ring(p: Floats) -> Floats:
     return np.asarray(np.hypot(np.hypot(p[:, 0], p[:, 1]) - 0.3, p[:, 2] - 0.5) - 0.15)
 
 
-def sampled_ring() -> Grid:
+def sampled_ring() -> sn.Grid:
     shape, low = (75, 75, 80), np.array([-0.9, -0.9, -0.4])
-    return Grid(ring(low + 0.025 * np.argwhere(np.ones(shape))).reshape(shape), low, 0.025)
+    return sn.Grid(ring(low + 0.025 * np.argwhere(np.ones(shape))).reshape(shape), low, 0.025)
 
 
 def blobs(size: float) -> shapes.Triangles:
@@ -47,26 +40,26 @@ def scan() -> Floats:
 
 
 MADE: dict[str, Callable[[], Obstacle]] = {
-    "mesh": lambda: Mesh(*blobs(0.17)),
-    "shell": lambda: Mesh(blobs(0.17)[0], blobs(0.17)[1][::2], thickness=0.01),
-    "room": lambda: Mesh(0.9 * shapes.ball(3)[0], shapes.ball(3)[1], inside=True),
-    "cloud": lambda: PointCloud(scan(), 0.015),
-    "cubes": lambda: Grid(np.random.default_rng(5).random((6, 6, 6)) < 0.15, (-0.5, -0.5, 0.2), 0.2),
+    "mesh": lambda: sn.Mesh(*blobs(0.17)),
+    "shell": lambda: sn.Mesh(blobs(0.17)[0], blobs(0.17)[1][::2], thickness=0.01),
+    "room": lambda: sn.Mesh(0.9 * shapes.ball(3)[0], shapes.ball(3)[1], inside=True),
+    "cloud": lambda: sn.PointCloud(scan(), 0.015),
+    "cubes": lambda: sn.Grid(np.random.default_rng(5).random((6, 6, 6)) < 0.15, (-0.5, -0.5, 0.2), 0.2),
     "samples": sampled_ring,
-    "function": lambda: Field(ring, (-0.9, -0.9, -0.4), (0.9, 0.9, 1.5), 0.03),
+    "function": lambda: sn.Field(ring, (-0.9, -0.9, -0.4), (0.9, 0.9, 1.5), 0.03),
 }
 
 
-def targets(scene: Scene, seed: int, count: int) -> list[Target]:
+def targets(scene: sn.Scene, seed: int, count: int) -> list[sn.Target]:
     """Where the tip of some configurations is that are free at a glance."""
     rng = np.random.default_rng(seed)
-    found: list[Target] = []
+    found: list[sn.Target] = []
     for _ in range(1000):
         angle, bend = rng.uniform(-math.pi, math.pi, 4), 1.2 * np.sqrt(rng.random(4))
         q = np.stack([bend * np.cos(angle), bend * np.sin(angle), rng.uniform(0.2, 0.35, 4)], axis=-1)
         backbone = ROBOT.backbone(q, 10)
         if scene.distance(backbone).min() > 0.04:
-            found.append(Target(backbone[-1]))
+            found.append(sn.Target(backbone[-1]))
         if len(found) == count:
             return found
     raise AssertionError("too few are free")
@@ -75,8 +68,8 @@ def targets(scene: Scene, seed: int, count: int) -> list[Target]:
 @pytest.mark.parametrize("kind", MADE)
 def test_solved_is_free_and_most_are_solved(kind: str) -> None:
     obstacle = MADE[kind]()
-    scene = Scene([obstacle, Sphere((0.9, 0.0, 0.5), 0.1)])
-    solver = Solver(ROBOT, scene)
+    scene = sn.Scene([obstacle, sn.Sphere((0.9, 0.0, 0.5), 0.1)])
+    solver = sn.Solver(ROBOT, scene)
     asked = targets(scene, 1, 20)
     solutions = [solver.solve(target) for target in asked]
     solved = [s for s in solutions if s.solved]
@@ -95,8 +88,8 @@ def test_solved_is_free_and_most_are_solved(kind: str) -> None:
 
 
 def test_all_kinds_in_one_scene() -> None:
-    scene = Scene([MADE["cubes"](), PointCloud(scan() + np.array([0.0, 0.0, 0.6]), 0.01), MADE["room"]()])
-    solver = Solver(ROBOT, scene)
+    scene = sn.Scene([MADE["cubes"](), sn.PointCloud(scan() + np.array([0.0, 0.0, 0.6]), 0.01), MADE["room"]()])
+    solver = sn.Solver(ROBOT, scene)
     solutions = [solver.solve(target) for target in targets(scene, 2, 10)]
     assert sum(s.solved for s in solutions) >= 9
     assert all(s.verify().ok for s in solutions if s.solved)
@@ -110,11 +103,11 @@ def test_solving_while_the_cloud_changes() -> None:
         side = 0.25 if i % 2 else -0.25
         return rng.normal((side, 0.1, 0.5), 0.04, size=(10 + 50 * (i % 7), 3))
 
-    scene = Scene([PointCloud(seen(0), 0.01)])
-    solver = Solver(ROBOT, scene)
+    scene = sn.Scene([sn.PointCloud(seen(0), 0.01)])
+    solver = sn.Solver(ROBOT, scene)
     asked = targets(scene, 3, 5)
     stop = threading.Event()
-    found: list[Solution] = []
+    found: list[sn.Solution] = []
 
     def work() -> None:
         while not stop.is_set():

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.answer.solution import Solution
 from sinuous.answer.solutions import Solutions
 from sinuous.base.checks import Floats
 from sinuous.solver.many import LARGEST_CALL
@@ -131,7 +130,7 @@ def test_arrays_say_what_each_solution_says(some: Solutions) -> None:
 
 
 def test_it_is_a_sequence(some: Solutions) -> None:
-    assert isinstance(some[3], Solution)
+    assert isinstance(some[3], sn.Solution)
     np.testing.assert_array_equal(some[-1].q, some.q[39])
     np.testing.assert_array_equal(some[np.int64(5)].q, some.q[5])
     for index in (

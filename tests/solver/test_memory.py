@@ -11,7 +11,6 @@ import sinuous as sn
 from benchmarks.places import make
 from benchmarks.places.place import right
 from sinuous.kernels.solve.recall import ANGLE_WEIGHT
-from sinuous.solver.memory import Memory
 from sinuous.solver.shapes import NEAREST, SPACING, TAIL
 
 ROBOT = sn.Robot.uniform(4, (0.5, 1.5), max_bend=2.5, radius=0.05, tool=sn.pose((0.0, 0.1, 0.2)))
@@ -25,7 +24,7 @@ def shapes(count: int, seed: int = 0) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["position", "direction", "rotation", "direction alone", "elbow and tip"])
 @pytest.mark.parametrize("count", [1, 3, TAIL, 5 * TAIL])
 def test_the_nearest_are_those_of_a_look_at_all(kind: str, count: int) -> None:
-    memory, kept, asked = Memory(ROBOT), shapes(count), shapes(4, seed=1)
+    memory, kept, asked = sn.Memory(ROBOT), shapes(count), shapes(4, seed=1)
     for some in np.array_split(kept, min(count, 3)):
         memory.add(some)
     for q in asked:
@@ -65,7 +64,7 @@ def _apart(
 
 def test_a_second_target_in_a_pipe_begins_from_the_first() -> None:
     place = make("two tubes", 2)
-    memory = Memory(place.robot)
+    memory = sn.Memory(place.robot)
     solver = sn.Solver(place.robot, place.scene, memory=memory)
     first = solver.solve(place.targets)
     again = solver.solve(place.targets)
@@ -80,7 +79,7 @@ def test_a_second_target_in_a_pipe_begins_from_the_first() -> None:
 def test_many_answers_are_those_of_a_loop_over_a_memory_that_does_not_learn() -> None:
     place = make("spheres 40", 4)
     tips = place.robot.tip(place.hidden_q + np.random.default_rng(0).normal(0, 0.03, (20, *place.hidden_q.shape)))
-    memory = Memory(place.robot)
+    memory = sn.Memory(place.robot)
     memory.add(place.hidden_q)
     reading = memory.reading()
     solver = sn.Solver(place.robot, place.scene, memory=reading, max_starts=50)
@@ -97,7 +96,7 @@ def test_many_answers_are_those_of_a_loop_over_a_memory_that_does_not_learn() ->
 
 def test_a_wrong_memory_changes_no_status() -> None:
     scene = [sn.Sphere((0.0, 1.5, 2.0), 0.4), sn.Box((1.0, 0.0, 2.0), (0.3, 0.3, 0.3))]
-    memory = Memory(ROBOT)
+    memory = sn.Memory(ROBOT)
     memory.add(shapes(200, seed=3))
     targets = [sn.Target(ROBOT.tip(q)[:3, 3]) for q in shapes(30, seed=5)] + [sn.Target((90.0, 0.0, 0.0))]
     without, with_memory = sn.Solver(ROBOT, scene), sn.Solver(ROBOT, scene, memory=memory)
@@ -109,7 +108,7 @@ def test_a_wrong_memory_changes_no_status() -> None:
 
 
 def test_a_changed_scene_is_asked_anew() -> None:
-    memory, scene, target = Memory(ROBOT), sn.Scene([sn.PointCloud([(9, 9, 9)], 0.2)]), sn.Target((1.2, 0.3, 2.5))
+    memory, scene, target = sn.Memory(ROBOT), sn.Scene([sn.PointCloud([(9, 9, 9)], 0.2)]), sn.Target((1.2, 0.3, 2.5))
     solver = sn.Solver(ROBOT, scene, memory=memory)
     before = solver.solve(target)
     middle = ROBOT.backbone(before.q)[40]
@@ -121,7 +120,7 @@ def test_a_changed_scene_is_asked_anew() -> None:
 
 
 def test_the_older_half_is_forgotten_when_it_is_full() -> None:
-    memory = Memory(ROBOT, megabytes=0.05)
+    memory = sn.Memory(ROBOT, megabytes=0.05)
     kept = shapes(300)
     for q in kept:
         memory.add(q)
@@ -132,10 +131,10 @@ def test_the_older_half_is_forgotten_when_it_is_full() -> None:
 
 
 def test_it_comes_back_from_a_file_and_a_pickle(tmp_path: Path) -> None:
-    memory = Memory(ROBOT, megabytes=3.0)
+    memory = sn.Memory(ROBOT, megabytes=3.0)
     memory.add(shapes(20))
     memory.save(tmp_path / "arm.npz")
-    for other in (Memory.load(tmp_path / "arm.npz"), pickle.loads(pickle.dumps(memory))):
+    for other in (sn.Memory.load(tmp_path / "arm.npz"), pickle.loads(pickle.dumps(memory))):
         assert other.robot.equals(ROBOT)
         assert (other.megabytes, other.learns, other.fingerprint) == (3.0, True, memory.fingerprint)
     assert [file.name for file in tmp_path.iterdir()] == ["arm.npz"]
@@ -144,7 +143,7 @@ def test_it_comes_back_from_a_file_and_a_pickle(tmp_path: Path) -> None:
 @pytest.mark.parametrize("size", [0, 1, 100, -1])
 def test_a_damaged_file_is_refused_in_a_line(tmp_path: Path, size: int) -> None:
     file = tmp_path / "arm.npz"
-    memory = Memory(ROBOT)
+    memory = sn.Memory(ROBOT)
     memory.add(shapes(20))
     memory.save(file)
     whole = file.read_bytes()
@@ -152,4 +151,4 @@ def test_a_damaged_file_is_refused_in_a_line(tmp_path: Path, size: int) -> None:
     with pytest.raises(
         sn.InputError, match=r"^memory: damaged.*; expected a file that Memory.save wrote, got .*arm\.npz'"
     ):
-        Memory.load(file)
+        sn.Memory.load(file)

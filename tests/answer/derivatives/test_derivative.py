@@ -23,10 +23,8 @@ from benchmarks.derivatives import (
 )
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.residual import residual_of
-from sinuous.answer.solution import Solution
 from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats
-from sinuous.base.errors import NotSolvedError
 from sinuous.kernels.packing import scales_of
 from tests.helpers import refused
 
@@ -95,7 +93,7 @@ def test_at_a_limit_one_sided_differences_agree(family: str) -> None:
     assert np.mean(agreed) > 0.85  # a solve that binds one limit after the other does not always end at the nearest
 
 
-def asked_of(found: Solution, tangent: Floats) -> Floats:
+def asked_of(found: sn.Solution, tangent: Floats) -> Floats:
     """How the residual of the targets has to change, by differences of it."""
     h, ends = 1e-6, []
     for sign in (1.0, -1.0):
@@ -105,7 +103,7 @@ def asked_of(found: Solution, tangent: Floats) -> Floats:
     return change
 
 
-def least_motions(found: Solution, rows: Floats, bounds: Floats, asked: Floats) -> Floats:
+def least_motions(found: sn.Solution, rows: Floats, bounds: Floats, asked: Floats) -> Floats:
     """The least motion (3 n,) with which targets move as asked (m,) and `rows . dq >= bounds`, of all subsets."""
     scale = scales_of(found.problem.robot.limits).ravel()
     J = residual_of(found.problem, found.q).jacobian * scale
@@ -166,7 +164,7 @@ def test_limits_that_move_push_the_answer() -> None:
     assert compared > 10
 
 
-def gap_gradient(found: Solution) -> Floats:
+def gap_gradient(found: sn.Solution) -> Floats:
     """Derivatives (3 n,) of the least distance from the obstacles, by central differences."""
     scale = scales_of(found.problem.robot.limits).ravel()
     some = np.flatnonzero(scale)
@@ -227,7 +225,7 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
     assert compared > 5
 
 
-def _size(found: Solution) -> float:
+def _size(found: sn.Solution) -> float:
     return found.problem.robot.mean_length
 
 
@@ -313,5 +311,5 @@ def test_bad_input_is_refused() -> None:
     refused("tangent['target']", lambda: answer().jvp([1.0, 2.0]))
     refused("tangent", lambda: answer().derivative(("target", "base")).jvp([1.0, 2.0, 3.0]), "a mapping")
     failed = exact_solver().solve(sn.Target((9.0, 0.0, 0.0)))
-    with pytest.raises(NotSolvedError):
+    with pytest.raises(sn.NotSolvedError):
         failed.derivative()

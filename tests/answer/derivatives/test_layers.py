@@ -8,7 +8,6 @@ import pytest
 
 import sinuous as sn
 from sinuous.answer.derivatives.many import HostGoals, solved
-from sinuous.base.errors import NotSolvedError
 from tests.helpers import Floats, refused
 
 pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit:DeprecationWarning")  # PyTorch calls it itself
@@ -128,7 +127,7 @@ def test_torch_says_what_is_not_solved() -> None:
     import sinuous.torch as layer
 
     far = torch.tensor([[9.0, 0.0, 0.0], GOALS[0].tolist()], dtype=torch.float64, requires_grad=True)
-    with pytest.raises(NotSolvedError):
+    with pytest.raises(sn.NotSolvedError):
         layer.solve(exact_solver(), far)
     layer.solve(exact_solver(), far, unsolved="best").sum().backward()
     assert not far.grad[0].any()

@@ -7,7 +7,6 @@ from scipy.optimize import least_squares
 import sinuous as sn
 from benchmarks.derivatives import ALL, SHAPES, Tangent, preferred, question, random_tangent
 from sinuous.answer.residual import residual_of
-from sinuous.answer.solution import Solution
 from sinuous.base.checks import Floats
 from sinuous.kernels.packing import scales_of
 
@@ -45,7 +44,7 @@ def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Fl
     return whole
 
 
-def differences(found: Solution, prefer: sn.Preferences, start: Floats, way: Tangent) -> Floats:
+def differences(found: sn.Solution, prefer: sn.Preferences, start: Floats, way: Tangent) -> Floats:
     """Central differences of minima along a tangent, of two steps: together exact to the fourth order."""
     derivative = found.derivative(ALL)
     fixed = scales_of(found.problem.robot.limits).ravel()[2::3] == 0.0

@@ -21,14 +21,13 @@ from benchmarks.motion.limits import KINDS, arm, drawn, is_false, most_pulled
 from benchmarks.problems import random_configurations
 from benchmarks.wild.worlds import clutter
 from sinuous.base.checks import Floats
-from sinuous.problem.target import Tolerance
 from tests.cases import with_each
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
 """One configuration of `ARM`, from the origin to (0, 0, 3)."""
 
 ARM = sn.Robot.uniform(3, (0.8, 1.2), 2.0, max_curvature=2.2, radius=0.1)
-TOLERANCE = Tolerance(1e-6, 1e-6)
+TOLERANCE = sn.Tolerance(1e-6, 1e-6)
 
 
 def changed(segment: int, coordinate: int, by: float) -> Floats:

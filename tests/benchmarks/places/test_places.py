@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
+import sinuous as sn
 from benchmarks.judges.clearances import least_clearance, overlaps
 from benchmarks.judges.judge import Flags
 from benchmarks.motion import known
@@ -15,9 +16,7 @@ from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.measures.body import arc_poses
 from sinuous.measures.obstacles import measure
-from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.point_cloud import PointCloud
 
 made_once = cache(make)
 """To prepare a place takes seconds: tests that only look at it share it."""
@@ -42,11 +41,11 @@ def backbone(made: Place) -> tuple[Floats, Floats, list[Floats]]:
 
 
 def distance(obstacle: Obstacle, points: Floats) -> Floats:
-    if isinstance(obstacle, Mesh):
+    if isinstance(obstacle, sn.Mesh):
         solid = trimesh.Trimesh(obstacle.vertices, obstacle.faces, process=False)
         distances: Floats = trimesh.proximity.closest_point_naive(solid, points)[1]  # type: ignore[no-untyped-call]
         return distances * np.where(inside(solid, points), -1.0, 1.0)
-    if isinstance(obstacle, PointCloud):
+    if isinstance(obstacle, sn.PointCloud):
         gaps = np.linalg.norm(points[:, None] - obstacle.points, axis=-1) - obstacle.radii
         nearest: Floats = gaps.min(axis=1)
         return nearest
@@ -74,7 +73,7 @@ def test_the_hidden_shape_is_feasible_and_meshes_are_solids(family: str) -> None
     some = slice(None, None, max(1, len(points) // 25))
     for obstacle in made.scene.obstacles:
         assert (distance(obstacle, points[some]) >= radii[some]).all()
-        if isinstance(obstacle, Mesh):
+        if isinstance(obstacle, sn.Mesh):
             assert obstacle.watertight
             assert obstacle.defects == ()
     for target in made.targets:

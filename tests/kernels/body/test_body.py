@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.kernels.body import proof
 from sinuous.kernels.body.contacts import PER_SEGMENT, ContactSearch, PosedBody
 from sinuous.kernels.body.contacts import contacts as kernel_contacts
@@ -14,10 +15,7 @@ from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.rows import INNER
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.scene import Scene
+from sinuous.scene.obstacles import Obstacle
 from tests.helpers import (
     Floats,
     columns_of,
@@ -35,30 +33,30 @@ SAMPLES = 120
 SLACK = 0.1
 FINEST = 1e-7
 RADII = (0.2, 0.1, 0.15, 0.05)
-ROBOT = Robot([Segment((0.0, 3.0), 2 * math.pi, radius=radius) for radius in RADII])
+ROBOT = sn.Robot([sn.Segment((0.0, 3.0), 2 * math.pi, radius=radius) for radius in RADII])
 N = len(ROBOT)
 
 
-def random_scene(rng: np.random.Generator, reach: float) -> Scene:
+def random_scene(rng: np.random.Generator, reach: float) -> sn.Scene:
     """Obstacles of all kinds, as far away as `reach` on average."""
     obstacles: list[Obstacle] = []
     for _ in range(rng.integers(1, 8)):
         at = rng.normal(size=3) * reach
         to, size, turn = at + rng.normal(size=3), rng.uniform(0.1, 0.6), random_rotation(rng)
         drawn: tuple[Obstacle, ...] = (
-            Sphere(at, size),
-            Box(at, rng.uniform(0.1, 1.0, 3), turn),
-            Capsule(at, to, size),
-            Cylinder(at, to, size),
-            HalfSpace(at, -at),
-            Sphere((0, 0, 0), 2.0 * reach, inside=True),
-            Box((0, 0, 0), np.full(3, 4.0 * reach), turn, inside=True),
+            sn.Sphere(at, size),
+            sn.Box(at, rng.uniform(0.1, 1.0, 3), turn),
+            sn.Capsule(at, to, size),
+            sn.Cylinder(at, to, size),
+            sn.HalfSpace(at, -at),
+            sn.Sphere((0, 0, 0), 2.0 * reach, inside=True),
+            sn.Box((0, 0, 0), np.full(3, 4.0 * reach), turn, inside=True),
         )
         obstacles.append(drawn[rng.integers(len(drawn))])
-    return Scene(obstacles)
+    return sn.Scene(obstacles)
 
 
-def sampled(q: Floats, scene: Scene, mount: float = 0.0) -> tuple[float, float]:
+def sampled(q: Floats, scene: sn.Scene, mount: float = 0.0) -> tuple[float, float]:
     """Least clearance over many places of the body beyond the mount, and how far apart these are."""
     least, spacing = math.inf, 0.0
     reach = 0.0
@@ -74,7 +72,7 @@ def sampled(q: Floats, scene: Scene, mount: float = 0.0) -> tuple[float, float]:
 
 
 def prove(
-    q: Floats, scene: Scene, mount: float = 0.0, slack: float = SLACK, deadline: int = NEVER
+    q: Floats, scene: sn.Scene, mount: float = 0.0, slack: float = SLACK, deadline: int = NEVER
 ) -> tuple[int, float, int, float, int]:
     scratch = Scratch(np.empty(len(scene), np.int64), make_clock(deadline))
     return proof.prove(ROBOT.limits, q, frames_of(q), kernel_scene(scene), mount, slack, FINEST, scratch)
@@ -123,13 +121,13 @@ def test_what_is_too_close_to_tell_is_not_called_clear() -> None:
         (-1e-9, TOUCHING),
         (-1e-3, TOUCHING),
     ):
-        got, clearance, *_ = prove(straight(), Scene([HalfSpace((0.2 + gap, 0, 0), (-1, 0, 0))]))
+        got, clearance, *_ = prove(straight(), sn.Scene([sn.HalfSpace((0.2 + gap, 0, 0), (-1, 0, 0))]))
         assert got == verdict
         assert clearance <= gap + 1e-15
 
 
 def test_obstacles_do_not_concern_what_sits_in_the_mount() -> None:
-    scene = Scene([Box((0, 0, 0), (1, 1, 2.5))])  # up to z = 1.25; the second segment has radius 0.1
+    scene = sn.Scene([sn.Box((0, 0, 0), (1, 1, 2.5))])  # up to z = 1.25; the second segment has radius 0.1
     assert prove(straight(), scene, mount=0.0)[0] == TOUCHING
     assert prove(straight(), scene, mount=1.2)[0] == TOUCHING
     assert prove(straight(), scene, mount=1.34)[0] == TOUCHING
@@ -142,14 +140,14 @@ def test_obstacles_do_not_concern_what_sits_in_the_mount() -> None:
 def test_a_proof_ends_with_the_time() -> None:
     """In a hole whose wall the body grazes it takes many looks; what takes few is proved before it is read."""
     for gap, said in ((0.1, CLEAR), (1e-3, UNDECIDED)):
-        grazed = Scene([Box((0, 0, 0), (0.4 + 2.0 * gap, 20, 20), inside=True)])
+        grazed = sn.Scene([sn.Box((0, 0, 0), (0.4 + 2.0 * gap, 20, 20), inside=True)])
         assert prove(straight(), grazed)[0] == CLEAR
         assert prove(straight(), grazed, deadline=0)[0] == said
-    assert prove(straight(), Scene([HalfSpace((0.1, 0, 0), (-1, 0, 0))]), deadline=0)[0] == TOUCHING
+    assert prove(straight(), sn.Scene([sn.HalfSpace((0.1, 0, 0), (-1, 0, 0))]), deadline=0)[0] == TOUCHING
 
 
 def contacts(
-    q: Floats, frames: Floats, scene: Scene, k: int, margins: tuple[float, float], depth: int, mount: float = 0.0
+    q: Floats, frames: Floats, scene: sn.Scene, k: int, margins: tuple[float, float], depth: int, mount: float = 0.0
 ) -> tuple[Any, int, float]:
     rows: Any = make_rows(len(q), PER_SEGMENT)
     scratch = Scratch(np.empty(len(scene), np.int64), make_clock())
@@ -176,7 +174,7 @@ def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> 
                 continue
             parts = (np.arange(2**depth) + 0.5) / 2**depth * (1 - start) + start
             places = [expm_chain(np.concatenate([q[:k], q[k : k + 1] * s]))[-1][:3, 3] for s in parts]
-            each = np.array([Scene([o]).distance(places) for o in scene.obstacles]).reshape(-1, len(places)).T
+            each = np.array([sn.Scene([o]).distance(places) for o in scene.obstacles]).reshape(-1, len(places)).T
             gaps = RADII[k] + margin - each.ravel()
             expected = np.sort(gaps[gaps > 0.0])
             if abs(gaps).min(initial=1.0) < 1e-9 or len(expected) > PER_SEGMENT:
@@ -193,7 +191,7 @@ def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> 
 
 def test_rows_are_never_more_than_there_is_room_for() -> None:
     q = straight()
-    scene = Scene([Sphere((0.0, 0.0, 0.1 * i), 0.5) for i in range(12)])
+    scene = sn.Scene([sn.Sphere((0.0, 0.0, 0.1 * i), 0.5) for i in range(12)])
     rows, at, least = contacts(q, frames_of(q), scene, 0, (0.0, 0.0), 3)
     assert at == PER_SEGMENT
     assert least < -0.5
@@ -218,11 +216,13 @@ def test_contact_rows_are_the_derivative_of_the_distance(seed: int) -> None:
 
     at = place(q)
     offset = random_rotation(case.rng)
-    scene = Scene([Sphere(at + 0.3 * offset[0], 0.2), Capsule(at + 0.4 * offset[1], at + 0.5 * offset[2], 0.3)])
+    scene = sn.Scene(
+        [sn.Sphere(at + 0.3 * offset[0], 0.2), sn.Capsule(at + 0.4 * offset[1], at + 0.5 * offset[2], 0.3)]
+    )
     rows, count, _ = contacts(q, frames, scene, k, (0.5, 0.0), 0, mount)
     assert count == 2
     for i in range(2):
-        single = Scene(scene.obstacles[i : i + 1])
+        single = sn.Scene(scene.obstacles[i : i + 1])
         slope = np.zeros((N, 3))
         for j in range(3 * N):
             step = np.zeros((N, 3))
@@ -245,12 +245,12 @@ def large_obstacle(kind: str, size: float, off: float) -> tuple[Obstacle, Fracti
     at = size + off
     start, end = (at, 0.0, -size), (at, 0.0, size)
     kinds: dict[str, Obstacle] = {
-        "sphere": Sphere((at, 0.0, 0.0), size),
-        "capsule": Capsule(start, end, size),
-        "cylinder": Cylinder(start, end, size),
-        "box": Box((at, 0.0, 0.0), (2.0 * size, 2.0 * size, 2.0 * size)),
-        "half_space": HalfSpace((off, size, -size), (-1.0, 0.0, 0.0)),
-        "far": Sphere((off + 1.0, 0.0, 0.0), 1.0),
+        "sphere": sn.Sphere((at, 0.0, 0.0), size),
+        "capsule": sn.Capsule(start, end, size),
+        "cylinder": sn.Cylinder(start, end, size),
+        "box": sn.Box((at, 0.0, 0.0), (2.0 * size, 2.0 * size, 2.0 * size)),
+        "half_space": sn.HalfSpace((off, size, -size), (-1.0, 0.0, 0.0)),
+        "far": sn.Sphere((off + 1.0, 0.0, 0.0), 1.0),
     }
     obstacle = kinds[kind]
     if kind == "half_space":
@@ -267,9 +267,9 @@ def test_nothing_is_clear_of_obstacles_with_huge_coordinates_that_it_overlaps(ki
     for _ in range(60):
         off = max(RADII) + size * 1e-16 * float(rng.uniform(-4.0, 4.0))
         obstacle, away = large_obstacle(kind, size, off)
-        verdict = prove(q, Scene([obstacle]), slack=1.0)[0]
+        verdict = prove(q, sn.Scene([obstacle]), slack=1.0)[0]
         assert verdict != CLEAR or away > Fraction(max(RADII))
         verdicts.append(verdict)
     ample, _ = large_obstacle(kind, size, max(RADII) + 1e-12 * size)
-    assert prove(q, Scene([ample]), slack=1.0)[0] == CLEAR
+    assert prove(q, sn.Scene([ample]), slack=1.0)[0] == CLEAR
     assert kind == "far" or size < 1e6 or CLEAR not in verdicts

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 import sinuous as sn
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 from tests.self_gaps import gaps_of, sample_body
 
@@ -18,7 +17,7 @@ class Case(NamedTuple):
     """A robot, obstacles, and the two configurations (n, 3) of a motion."""
 
     robot: sn.Robot
-    scene: Scene
+    scene: sn.Scene
     q0: Floats
     q1: Floats
 
@@ -55,7 +54,7 @@ def random_case(seed: int) -> Case:
     robot = sn.Robot(segments, mount=float(rng.choice([0.0, 0.3, 1.0])))
     q0 = shape(robot, rng)
     q1 = q0 + float(rng.choice([0.01, 0.2, 1.0])) * (shape(robot, rng) - q0)
-    return Case(robot, Scene([obstacle(rng) for _ in range(int(rng.integers(0, 10)))]), q0, q1)
+    return Case(robot, sn.Scene([obstacle(rng) for _ in range(int(rng.integers(0, 10)))]), q0, q1)
 
 
 @cache

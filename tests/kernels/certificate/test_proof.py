@@ -24,7 +24,6 @@ from sinuous.kernels.certificate.sweep import (
     sweep_size,
 )
 from sinuous.model.robot import robot_group
-from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import Drifts
 from tests.helpers import Floats, random_pose
 from tests.kernels.certificate.motions import Case, random_case, sampled, sampled_case, shape
@@ -118,8 +117,8 @@ def test_it_does_not_matter_where_robot_and_obstacles_stand() -> None:
         pose = random_pose(rng, 2.0)
         balls = [sn.Sphere(rng.uniform(-3, 3, 3), 0.4) for _ in range(6)]
         moved = [sn.Sphere(pose[:3, :3] @ ball.center + pose[:3, 3], ball.radius) for ball in balls]
-        there = case._replace(robot=case.robot.changed(base=pose), scene=Scene(moved))
-        (one,), (other,) = prove(case._replace(scene=Scene(balls)), 1.0), prove(there, 1.0)
+        there = case._replace(robot=case.robot.changed(base=pose), scene=sn.Scene(moved))
+        (one,), (other,) = prove(case._replace(scene=sn.Scene(balls)), 1.0), prove(there, 1.0)
         assert one[VERDICT] == other[VERDICT]
         assert one[UNTIL] == pytest.approx(other[UNTIL], abs=1e-6)
 
@@ -131,7 +130,7 @@ def test_who_touches_a_wall_only_on_the_way_is_not_clear(ends: tuple[float, floa
     robot = sn.Robot.uniform(1, 1.0, 2.0, radius=0.05)
     q0, q1 = (np.array([[bend, 0.0, 1.0]]) for bend in ends)
     for gap in (-deep, deep):
-        wall = Scene([sn.HalfSpace((0.0, 0.0, 1.05 + gap), (0.0, 0.0, -1.0))])
+        wall = sn.Scene([sn.HalfSpace((0.0, 0.0, 1.05 + gap), (0.0, 0.0, -1.0))])
         for slack in (1.0, SLACK):
             assert (prove(Case(robot, wall, q0, q1), slack)[0, VERDICT] == CLEAR) == (gap > 0.0)
 
@@ -140,14 +139,14 @@ def test_who_touches_a_wall_only_on_the_way_is_not_clear(ends: tuple[float, floa
 def test_who_runs_through_itself_only_on_the_way_is_not_clear(seed: int) -> None:
     """Of random motions those, among others, that a bound without what moves meanwhile takes for clear."""
     robot, rng = sn.Robot.uniform(5, 1.0, 4.5, radius=0.08), np.random.default_rng(seed)
-    case = Case(robot, Scene(), shape(robot, rng), shape(robot, rng))
+    case = Case(robot, sn.Scene(), shape(robot, rng), shape(robot, rng))
     assert min(sampled(case._replace(q0=q, q1=q))[1] for q in (case.q0, case.q1)) > 0.0
     assert sampled(case)[1] < -0.01
     assert prove(case, 1.0)[0, VERDICT] != CLEAR
 
 
 def test_the_part_within_the_mount_may_touch_what_it_stands_in() -> None:
-    floor = Scene([sn.HalfSpace((0, 0, 0.25), (0, 0, 1))])
+    floor = sn.Scene([sn.HalfSpace((0, 0, 0.25), (0, 0, 1))])
     robot = sn.Robot.uniform(2, (0.5, 1.0), 0.8, radius=0.05, mount=0.32)
     q0, q1 = np.array([[0.1, 0, 0.6], [0.2, 0.1, 0.7]]), np.array([[0.2, 0, 0.9], [-0.3, 0.4, 0.9]])
     assert prove(Case(robot, floor, q0, q1))[0, VERDICT] == CLEAR
@@ -178,9 +177,9 @@ def test_no_motion_is_clear_of_huge_obstacles_that_it_overlaps(size: float) -> N
             sn.Capsule((at, 0, 0.5), (at, 0, 1.5), size),
             sn.Sphere((0, 0, size + 2.25 - deep * 1e-16 * size), size),
         ):
-            assert prove(Case(robot, Scene([obstacle]), q0, q1), 1.0, finest=1e-4)[0, VERDICT] != CLEAR
+            assert prove(Case(robot, sn.Scene([obstacle]), q0, q1), 1.0, finest=1e-4)[0, VERDICT] != CLEAR
     clear = sn.Sphere((size + 0.05 + 1e-12 * size, 0, 1.0), size)
-    assert prove(Case(robot, Scene([clear]), q0, q1), 1.0, finest=1e-4)[0, VERDICT] == CLEAR
+    assert prove(Case(robot, sn.Scene([clear]), q0, q1), 1.0, finest=1e-4)[0, VERDICT] == CLEAR
 
 
 BALL = sn.Sphere((0, 0, 0), 0.1)

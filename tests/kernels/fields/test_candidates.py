@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.kernels.fields.distances import beside
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE
 from sinuous.scene import parts
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import kernel_scene, random_pose, random_unit
 from tests.kernels.fields.patches import patch_of, points_of
@@ -19,24 +18,24 @@ from tests.scene import shapes
 RNG = np.random.default_rng(0)
 
 
-def boxes(count: int, inside: bool = False) -> Mesh:
+def boxes(count: int, inside: bool = False) -> sn.Mesh:
     """Boxes that nearly touch, in a row that lies oblique to the axes."""
     turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
     vertices, faces = map(np.array, shapes.cube())
     rows = [vertices * (0.99, 1.5, 0.2) + (float(i), 0.0, 0.0) for i in range(count)]
     turned = np.concatenate(rows) @ (turn * np.linalg.det(turn)).T
-    return Mesh(turned, np.concatenate([faces + len(vertices) * i for i in range(count)]), inside=inside)
+    return sn.Mesh(turned, np.concatenate([faces + len(vertices) * i for i in range(count)]), inside=inside)
 
 
 MESHES = {
     "boxes": boxes(12),
     "around": boxes(1, inside=True),
-    "ball": Mesh(*shapes.ball(2)),
-    "shell": Mesh(np.array(shapes.ball(2)[0]) * (1.0, 1.0, 0.3), shapes.ball(2)[1][:100], thickness=0.1),
+    "ball": sn.Mesh(*shapes.ball(2)),
+    "shell": sn.Mesh(np.array(shapes.ball(2)[0]) * (1.0, 1.0, 0.3), shapes.ball(2)[1][:100], thickness=0.1),
 }
 
 
-def near_and_far(mesh: Mesh) -> Floats:
+def near_and_far(mesh: sn.Mesh) -> Floats:
     """Points on the surface and beside it, all about the mesh, and far away."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     corners = mesh.vertices[mesh.faces[RNG.integers(0, len(mesh.faces), 3000)]]
@@ -64,7 +63,7 @@ def test_what_is_beside_a_free_patch_is_no_nearer_than_its_bound(name: str, move
     still = np.zeros(3)
     mesh = MESHES[name]
     pose = random_pose(RNG) if moved else np.eye(4)
-    own = Scene([mesh.placed(pose) if moved else mesh])
+    own = sn.Scene([mesh.placed(pose) if moved else mesh])
     scene, snapshot = kernel_scene(own), own.snapshot()
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     centers = (low + (high - low) * RNG.random((500, 3))) @ pose[:3, :3].T + pose[:3, 3]

@@ -9,28 +9,24 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+import sinuous as sn
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, widths_across
 from sinuous.kernels.fitting.settle import MOST_STEPS, REACH_STEP, settle_chain
-from sinuous.model.robot import Robot
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box, Sphere
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_groups
 
 POINTS = 300
 
 
-def lay(robot: Robot, route: Floats, seconds: float = 60.0, scene: Scene | None = None) -> Floats:
-    problem = Problem(robot, Target(route[-1]), scene or Scene())
+def lay(robot: sn.Robot, route: Floats, seconds: float = 60.0, scene: sn.Scene | None = None) -> Floats:
+    problem = sn.Problem(robot, sn.Target(route[-1]), scene or sn.Scene())
     workspace = np.full(fit_workspace_size(len(robot), len(robot.actuation), len(problem.scene), 1), np.nan)
     out = np.empty((len(robot), 3))
     fit_route(*kernel_groups(problem), route, seconds, workspace, out)
     return out
 
 
-def own_route(robot: Robot, q: Floats) -> Floats:
+def own_route(robot: sn.Robot, q: Floats) -> Floats:
     """The backbone itself, as evenly spaced points."""
     dense = robot.backbone(q, 400)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(dense, axis=0), axis=1))])
@@ -47,7 +43,7 @@ def shape(seed: int, n: int, spread: float) -> Floats:
 @pytest.mark.parametrize("n", [1, 3, 8, 20])
 @pytest.mark.parametrize("spread", [0.0, 0.15])
 def test_a_chain_finds_into_its_own_backbone(n: int, spread: float) -> None:
-    robot = Robot.uniform(n, length=(0.8, 1.2) if spread else 1.0, max_bend=2.4)
+    robot = sn.Robot.uniform(n, length=(0.8, 1.2) if spread else 1.0, max_bend=2.4)
     q = shape(n, n, spread)
     found = lay(robot, own_route(robot, q))
     off, _ = cKDTree(robot.backbone(q, 2000)).query(robot.backbone(found, 20))
@@ -58,27 +54,27 @@ def test_a_chain_finds_into_its_own_backbone(n: int, spread: float) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_chain_keeps_off_what_the_route_keeps_off(seed: int) -> None:
-    robot = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
+    robot = sn.Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
     q = shape(seed, 5, 0.1)
     route = own_route(robot, q)
     away = np.cross(np.gradient(route, axis=0), np.random.default_rng(seed).normal(size=3))
-    balls = [Sphere(p + 0.31 * off / np.linalg.norm(off), 0.2) for p, off in zip(route, away, strict=True)][40::20]
-    scene = Scene([ball for ball in balls if (np.linalg.norm(route - ball.center, axis=1) > 0.30).all()])
+    balls = [sn.Sphere(p + 0.31 * off / np.linalg.norm(off), 0.2) for p, off in zip(route, away, strict=True)][40::20]
+    scene = sn.Scene([ball for ball in balls if (np.linalg.norm(route - ball.center, axis=1) > 0.30).all()])
     assert len(scene) > 1
-    coarser = Robot.uniform(4, length=(1.0, 1.5), max_bend=3.0, radius=0.1)  # it cannot lie along all of the route
+    coarser = sn.Robot.uniform(4, length=(1.0, 1.5), max_bend=3.0, radius=0.1)  # it cannot lie along all of the route
     body = coarser.backbone(lay(coarser, route, scene=scene), 50)
     assert scene.distance(body).min() > 0.1
 
 
-def beside(scene: Scene, line: Floats, radius: float, enough: float) -> Floats:
+def beside(scene: sn.Scene, line: Floats, radius: float, enough: float) -> Floats:
     room = np.empty(len(line))
     widths_across(scene.snapshot().group.copy(), line, radius, enough, room)
     return room
 
 
-def some_lines(seed: int) -> tuple[Scene, Floats]:
+def some_lines(seed: int) -> tuple[sn.Scene, Floats]:
     rng = np.random.default_rng(seed)
-    scene = Scene([Box(rng.uniform(-1.0, 1.0, 3), rng.uniform(0.2, 0.5, 3)) for _ in range(9)])
+    scene = sn.Scene([sn.Box(rng.uniform(-1.0, 1.0, 3), rng.uniform(0.2, 0.5, 3)) for _ in range(9)])
     return scene, np.linspace(rng.uniform(-2.0, 0.0, 3), rng.uniform(0.0, 2.0, 3), 60)
 
 
@@ -103,7 +99,7 @@ def test_the_width_across_a_line_is_that_of_a_place_at_most_so_far_aside(seed: i
 
 
 def test_a_wall_between_two_points_is_not_stepped_over() -> None:
-    door = Scene([Box((side * 1.15, 0.0, 0.0), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)])
+    door = sn.Scene([sn.Box((side * 1.15, 0.0, 0.0), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)])
     coarse = np.array([(0.0, 0.0, z) for z in (-3.6, -2.1, -0.6, 0.9, 2.4)])
     assert door.distance(coarse).min() > 0.4
     room = beside(door, coarse, 0.1, 0.4)
@@ -113,13 +109,13 @@ def test_a_wall_between_two_points_is_not_stepped_over() -> None:
 
 
 RADIUS = 0.1
-ROBOT = Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
+ROBOT = sn.Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
 CHAIN = np.tile([0.3, 0.1, 1.0], (6, 1))
 TIP = ROBOT.tip(CHAIN)
 
 
-def settled(scene: Scene, target: Target, seconds: float = 60.0, robot: Robot = ROBOT) -> Floats:
-    problem = Problem(robot, target, scene)
+def settled(scene: sn.Scene, target: sn.Target, seconds: float = 60.0, robot: sn.Robot = ROBOT) -> Floats:
+    problem = sn.Problem(robot, target, scene)
     workspace = np.full(fit_workspace_size(6, 0, len(problem.scene), 1), np.nan)
     out = CHAIN.copy()
     settle_chain(*kernel_groups(problem), seconds, workspace, out)
@@ -129,7 +125,7 @@ def settled(scene: Scene, target: Target, seconds: float = 60.0, robot: Robot = 
 @pytest.mark.parametrize("direction", [None, tuple(TIP[:3, 2])])
 def test_the_target_is_met_that_is_near(direction: tuple[float, float, float] | None) -> None:
     goal = TIP[:3, 3] + [0.4, -0.3, -0.2]
-    found = settled(Scene([]), Target(goal, direction=direction))
+    found = settled(sn.Scene([]), sn.Target(goal, direction=direction))
     assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - goal) < 1e-2
     assert ROBOT.excess(found) <= 1e-12
 
@@ -137,15 +133,15 @@ def test_the_target_is_met_that_is_near(direction: tuple[float, float, float] | 
 def test_no_step_is_long() -> None:
     """However far the target is: the end comes no nearer than all steps are long, and a little for curves."""
     goal = TIP[:3, 3] + [-9.0, 0.0, 0.0]
-    moved = np.linalg.norm(ROBOT.tip(settled(Scene([]), Target(goal)))[:3, 3] - TIP[:3, 3])
+    moved = np.linalg.norm(ROBOT.tip(settled(sn.Scene([]), sn.Target(goal)))[:3, 3] - TIP[:3, 3])
     assert 0.1 < moved < 1.2 * MOST_STEPS * REACH_STEP * RADIUS
 
 
 def test_what_overlaps_is_pushed_off() -> None:
     line = ROBOT.backbone(CHAIN, 40)
     beside = line[150] + [0.0, 0.3, 0.0]
-    wall = Scene([Box(beside, (0.5, 0.52, 0.5))])
+    wall = sn.Scene([sn.Box(beside, (0.5, 0.52, 0.5))])
     assert wall.distance(line).min() < 0.6 * RADIUS
-    found = settled(wall, Target(TIP[:3, 3]))
+    found = settled(wall, sn.Target(TIP[:3, 3]))
     assert wall.distance(ROBOT.backbone(found, 40)).min() > 0.97 * RADIUS
     assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1e-2

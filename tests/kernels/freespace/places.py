@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 
+import sinuous as sn
 from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import DEADLINE
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.cells import Memory, carve, clear, memory_size
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid
-from sinuous.scene.obstacles import Box, Sphere
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 from tests.kernels.workspace import NEVER
 
@@ -87,18 +86,18 @@ def query(**changed: Any) -> Floats:
     )
 
 
-def spheres(seed: int) -> Scene:
+def spheres(seed: int) -> sn.Scene:
     """Balls that leave origin and goal free."""
     rng = np.random.default_rng(seed)
-    found: list[Sphere] = []
+    found: list[sn.Sphere] = []
     while len(found) < 12:
         center, radius = rng.uniform(-1.0, 1.0, 3), rng.uniform(0.1, 0.3)
         if min(np.linalg.norm(center), np.linalg.norm(center - GOAL)) > radius + RADIUS + 0.05:
-            found.append(Sphere(center, radius))
-    return Scene(found)
+            found.append(sn.Sphere(center, radius))
+    return sn.Scene(found)
 
 
-def room(wall: float, half: float = 0.6, center: Any = GOAL) -> Scene:
+def room(wall: float, half: float = 0.6, center: Any = GOAL) -> sn.Scene:
     """Six thin walls about the goal."""
     goal, full = np.array(center, np.float64), 2.0 * half + wall
     walls = []
@@ -107,5 +106,5 @@ def room(wall: float, half: float = 0.6, center: Any = GOAL) -> Scene:
             middle, size = goal.copy(), np.full(3, full)
             middle[axis] += side
             size[axis] = wall
-            walls.append(Box(middle, size))
-    return Scene(walls)
+            walls.append(sn.Box(middle, size))
+    return sn.Scene(walls)

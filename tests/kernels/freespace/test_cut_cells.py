@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import sinuous as sn
 from sinuous.kernels.freespace import cut_cells
 from sinuous.kernels.freespace.cells import NONE
 from sinuous.kernels.freespace.grid import middle
 from sinuous.kernels.freespace.keys import key_of
-from sinuous.scene.obstacles import Box
-from sinuous.scene.scene import Scene
 from tests.helpers import kernel_scene
 from tests.kernels.freespace.places import RADIUS, grid
 from tests.kernels.freespace.test_octree import middles
@@ -17,23 +16,23 @@ from tests.kernels.freespace.test_octree import middles
 WHERE = grid(cell=0.5 * RADIUS, clearance=0.5 * RADIUS, levels=4, reach=1e3)
 
 
-def plate(seed: int, far: float = 40.0) -> Box:
+def plate(seed: int, far: float = 40.0) -> sn.Box:
     """A wide thin box, askew, through the middle of space."""
     rng = np.random.default_rng(seed)
     turn = Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
-    return Box(rng.uniform(-0.2, 0.2, 3), np.roll((far, far, rng.uniform(0.02, 0.4)), seed), turn)
+    return sn.Box(rng.uniform(-0.2, 0.2, 3), np.roll((far, far, rng.uniform(0.02, 0.4)), seed), turn)
 
 
-def cut(scene: Scene, cell: tuple[int, int, int, int]) -> int:
+def cut(scene: sn.Scene, cell: tuple[int, int, int, int]) -> int:
     key = key_of(*cell)
     edge = WHERE.cell * 2 ** cell[0]
-    which = int(np.argmin([float(Scene([o]).distance(np.array(middle(WHERE, key)))) for o in scene.obstacles]))
+    which = int(np.argmin([float(sn.Scene([o]).distance(np.array(middle(WHERE, key)))) for o in scene.obstacles]))
     return int(cut_cells.cut_by(WHERE, kernel_scene(scene), middle(WHERE, key), edge, which))
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_sides_are_told_apart_and_nothing_leads_across(seed: int) -> None:
-    scene, cell = Scene([plate(seed)]), (3, 0, 0, -1)
+    scene, cell = sn.Scene([plate(seed)]), (3, 0, 0, -1)
     found = cut(scene, cell)
     assert found // 3 == 0
     points = middles(WHERE, cell)
@@ -51,7 +50,7 @@ def test_sides_are_told_apart_and_nothing_leads_across(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_links_lead_wherever_two_finest_cells_do(seed: int) -> None:
-    scene = Scene([plate(seed)])
+    scene = sn.Scene([plate(seed)])
     one, other = (3, 0, 0, -1), ((3, 0, 0, 0), (2, 2, 1, -1), (0, 8, 3, -2), (3, -1, -1, -2))[seed % 4]
     first, second = cut(scene, one), cut(scene, other) if other[0] else NONE
     assert first != NONE

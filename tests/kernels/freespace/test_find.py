@@ -4,16 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+import sinuous as sn
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.tables import CLOSED, FOUND, FULL, PROVED_CLOSED, QUERY_MOST_CELLS, TIMED_OUT
-from sinuous.scene.obstacles import Sphere
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 from tests.kernels.freespace.places import query, room
 
 POINTS = 100
-BALL = Scene([Sphere((0.0, 0.0, 1.0), 0.3)])
+BALL = sn.Scene([sn.Sphere((0.0, 0.0, 1.0), 0.3)])
 
 
 class Found(NamedTuple):
@@ -22,7 +21,7 @@ class Found(NamedTuple):
     cells: int
 
 
-def find(scene: Scene, asked: Floats, most: int = 1, seconds: float = 60.0) -> Found:
+def find(scene: sn.Scene, asked: Floats, most: int = 1, seconds: float = 60.0) -> Found:
     routes, counts = np.empty((most, POINTS, 3)), np.zeros(most, np.int64)
     memory = np.full(memory_size(int(asked[QUERY_MOST_CELLS])), np.nan)  # nothing of what was there before may matter
     group = scene.snapshot().group.copy()

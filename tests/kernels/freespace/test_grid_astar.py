@@ -10,17 +10,16 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial.transform import Rotation
 
+import sinuous as sn
 from sinuous.kernels.freespace import grid_astar
 from sinuous.kernels.freespace.cells import Memory
 from sinuous.kernels.freespace.grid import FINEST_STEP, HALF_DIAGONAL, SearchGrid
 from sinuous.kernels.tables import CLOSED, FOUND
-from sinuous.scene.obstacles import Box, Sphere
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene
 from tests.kernels.freespace.places import CELL, GOAL, RADIUS, REACH, grid, memory, spheres
 
 
-def explore(work: Memory, where: SearchGrid, scene: Scene) -> tuple[int, int]:
+def explore(work: Memory, where: SearchGrid, scene: sn.Scene) -> tuple[int, int]:
     found: tuple[int, int] = grid_astar.explore(work, where, kernel_scene(scene))
     return found
 
@@ -41,7 +40,7 @@ def cost(work: Memory, met: int) -> float:
     return float(work.sides.cost[:, met].sum()) if met >= 0 else math.inf
 
 
-def walled(where: SearchGrid, scene: Scene, a: Floats, b: Floats) -> Any:
+def walled(where: SearchGrid, scene: sn.Scene, a: Floats, b: Floats) -> Any:
     """Whether walls are met on lines (m, 3) from one end to the other, with steps as long as the distance from them."""
     lengths = np.linalg.norm(b - a, axis=-1)
     gone, found = np.zeros(len(a)), np.zeros(len(a), bool)
@@ -69,7 +68,7 @@ def prices(where: SearchGrid, d: Floats) -> Floats:
     return np.select([free >= where.free_margin, free >= 0.0], [np.ones_like(d), beside], overlapping)
 
 
-def whole_grid(where: SearchGrid, scene: Scene) -> tuple[Floats, Floats, Any, Any, Floats]:
+def whole_grid(where: SearchGrid, scene: sn.Scene) -> tuple[Floats, Floats, Any, Any, Floats]:
     """Middles and distances (-inf: cannot be passed) of all cells within reach; edges from and to cells, and costs."""
     most = math.ceil(REACH / where.cell) + 1
     axis = np.arange(-most, most + 1, dtype=np.float64)
@@ -98,7 +97,7 @@ def whole_grid(where: SearchGrid, scene: Scene) -> tuple[Floats, Floats, Any, An
     return middles, d, np.concatenate(rows), np.concatenate(columns), np.concatenate(costs)
 
 
-def least_cost(where: SearchGrid, scene: Scene) -> float:
+def least_cost(where: SearchGrid, scene: sn.Scene) -> float:
     """Cost of the cheapest route, by Dijkstra's search from one more place, beside the cells about the goal."""
     middles, d, rows, columns, costs = whole_grid(where, scene)
     off = np.linalg.norm(middles - GOAL, axis=1)
@@ -121,7 +120,7 @@ def test_a_route_costs_little_more_than_the_cheapest(seed: int, inflation: float
     assert cost(work, met) <= inflation * (2.0 * least - np.linalg.norm(GOAL)) * (1 + 1e-12)
 
 
-def world(seed: int) -> Scene:
+def world(seed: int) -> sn.Scene:
     """A closed room about the goal or the start, with a door or without, askew, and some more boxes and balls."""
     rng = np.random.default_rng(seed)
     turn = Rotation.from_rotvec(rng.normal(size=3) * rng.integers(0, 2)).as_matrix()
@@ -135,17 +134,17 @@ def world(seed: int) -> Scene:
                 slit = rng.uniform(0.0, 4.0 * RADIUS)
                 size[axis - 1] -= slit
                 center[axis - 1] -= 0.5 * slit
-            found.append(Box(middle + turn @ center, size, turn))
+            found.append(sn.Box(middle + turn @ center, size, turn))
     for _ in range(rng.integers(0, 5)):
         turn = Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
-        found.append(Box(rng.uniform(-1.0, 1.5, 3), rng.uniform(0.05, 1.5, 3), turn))
-    return Scene([*found, Sphere((*rng.uniform(-0.9, 1.4, 2), 0.9), 0.1)])
+        found.append(sn.Box(rng.uniform(-1.0, 1.5, 3), rng.uniform(0.05, 1.5, 3), turn))
+    return sn.Scene([*found, sn.Sphere((*rng.uniform(-0.9, 1.4, 2), 0.9), 0.1)])
 
 
 HALVED = 0.5 * RADIUS
 
 
-def is_joined(where: SearchGrid, scene: Scene) -> bool:
+def is_joined(where: SearchGrid, scene: sn.Scene) -> bool:
     """Whether the finest cells about the start and those about the goal hang together, by all cells of the grid."""
     middles, d, rows, columns, costs = whole_grid(where, scene)
     edges: Any = coo_array((costs, (rows, columns)), shape=(len(middles),) * 2).tocsr()

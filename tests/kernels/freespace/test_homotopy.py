@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+import sinuous as sn
 from sinuous.kernels.freespace.homotopy import (
     EASED,
     LEASH_SLACK,
@@ -13,15 +14,13 @@ from sinuous.kernels.freespace.homotopy import (
     halfway,
     homotopy_workspace_size,
 )
-from sinuous.scene.obstacles import Cylinder, Sphere
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 
 POINTS, KEEP = 96, 0.06
 START, END = np.array([-2.0, 0.0, 0.0]), np.array([2.0, 0.0, 0.0])
 PLACES = np.array([(-0.8, 0.3), (0.1, -0.4), (0.9, 0.2)])
-PILLARS = Scene([Cylinder((x, y, -9.0), (x, y, 9.0), 0.1) for x, y in PLACES])
-BALL = Scene([Sphere((0.0, 0.0, 0.0), 0.8)])
+PILLARS = sn.Scene([sn.Cylinder((x, y, -9.0), (x, y, 9.0), 0.1) for x, y in PLACES])
+BALL = sn.Scene([sn.Sphere((0.0, 0.0, 0.0), 0.8)])
 
 
 def workspace() -> Floats:
@@ -55,13 +54,13 @@ def windings(curve: Floats) -> tuple[float, ...]:
     return tuple(turned)
 
 
-def tight(scene: Scene, curve: Floats, seconds: float = 60.0) -> Floats:
+def tight(scene: sn.Scene, curve: Floats, seconds: float = 60.0) -> Floats:
     out = curve.copy()
     draw_tight(scene.snapshot().group.copy(), out, KEEP, seconds, workspace())
     return out
 
 
-def deform(scene: Scene, a: Floats, b: Floats, seconds: float = 60.0) -> bool:
+def deform(scene: sn.Scene, a: Floats, b: Floats, seconds: float = 60.0) -> bool:
     return deforms(scene.snapshot().group.copy(), a.copy(), b.copy(), 0.5 * KEEP, seconds, workspace())
 
 
@@ -115,7 +114,7 @@ def test_halfway_is_clear_and_leads_round() -> None:
 
 
 def test_without_time_nothing_is_told_alike_nor_drawn_tight() -> None:
-    many = Scene([Sphere((x, 9.0, 0.0), 0.1) for x in range(200)])
+    many = sn.Scene([sn.Sphere((x, 9.0, 0.0), 0.1) for x in range(200)])
     curve = even(np.array([START, (0.0, 1.0, 0.0), END]))
     assert deform(many, curve, curve)
     assert not deform(many, curve, curve, 0.0)

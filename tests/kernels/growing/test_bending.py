@@ -5,38 +5,36 @@ import math
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.kernels.growing.bending import MOST_OVERLAP, Nearby, come_out
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
-from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box, Sphere
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_problem, mat, vec
 
 RADIUS = 0.1
 
 
-def nearby(scene: Scene) -> Nearby:
+def nearby(scene: sn.Scene) -> Nearby:
     """Scratch for what is near an arc; nothing of what was there before may matter."""
     return Nearby(np.zeros(max(1, len(scene)), np.int64), np.full(max(1, len(scene)), np.nan))
 
 
-def out(scene: Scene, q: tuple[float, float, float], segment: Segment, mount: float = 0.0) -> tuple[Floats, float]:
+def out(
+    scene: sn.Scene, q: tuple[float, float, float], segment: sn.Segment, mount: float = 0.0
+) -> tuple[Floats, float]:
     """An arc that comes out of the origin along z, and its overlap in radii."""
-    problem = kernel_problem(Robot([segment], mount=mount), [Target((0.0, 0.0, 1.0))], scene)
+    problem = kernel_problem(sn.Robot([segment], mount=mount), [sn.Target((0.0, 0.0, 1.0))], scene)
     start = mat(np.eye(3)), vec(np.zeros(3))
     new = start, 0, 0.0
     (_, arc), overlap, _ = come_out(problem, new, new, (q, q), False, nearby(scene))
     return np.array(arc), float(overlap)
 
 
-def gap(scene: Scene, segment: Segment, arc: Floats) -> float:
+def gap(scene: sn.Scene, segment: sn.Segment, arc: Floats) -> float:
     """Least distance of the body from the obstacles, by brute force, in radii."""
-    line = Robot([segment]).backbone(arc[None], 200)
+    line = sn.Robot([segment]).backbone(arc[None], 200)
     return float(scene.distance(line).min()) / RADIUS - 1.0
 
 
-FREE = Segment((0.2, 2.0), 3.0, radius=RADIUS)
+FREE = sn.Segment((0.2, 2.0), 3.0, radius=RADIUS)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -44,8 +42,8 @@ def test_an_arc_that_comes_out_is_within_limits_and_as_clear_as_it_says(seed: in
     """Among random balls: near straight and near half a circle, with lengths that may and may not change."""
     rng = np.random.default_rng(seed)
     centres = rng.uniform((-1.5, -1.5, -0.5), (1.5, 1.5, 2.5), (12, 3))
-    scene = Scene([Sphere(tuple(c), 0.25) for c in centres if np.linalg.norm(c) > 0.6])
-    segment = Segment((1.0, 1.0) if seed % 3 == 0 else (0.2, 2.0), 2.8, max_curvature=4.0, radius=RADIUS)
+    scene = sn.Scene([sn.Sphere(tuple(c), 0.25) for c in centres if np.linalg.norm(c) > 0.6])
+    segment = sn.Segment((1.0, 1.0) if seed % 3 == 0 else (0.2, 2.0), 2.8, max_curvature=4.0, radius=RADIUS)
     bend = (1e-8, 1.0, 2.799)[seed % 3 if seed > 5 else 1]
     turn = rng.uniform(0.0, 2.0 * math.pi)
     q = bend * math.cos(turn), bend * math.sin(turn), 1.0
@@ -53,7 +51,7 @@ def test_an_arc_that_comes_out_is_within_limits_and_as_clear_as_it_says(seed: in
     if overlap == math.inf:
         assert tuple(arc) == q
         return
-    assert Robot([segment]).excess(arc[None]) <= 1e-12
+    assert sn.Robot([segment]).excess(arc[None]) <= 1e-12
     assert overlap <= MOST_OVERLAP
     # The overlap is that of places, some of which lie in between.
     assert gap(scene, segment, arc) >= -overlap - 0.15
@@ -61,7 +59,7 @@ def test_an_arc_that_comes_out_is_within_limits_and_as_clear_as_it_says(seed: in
 
 @pytest.mark.parametrize("offset", [-0.05, 0.0, 0.05])
 def test_an_arc_beside_a_wall_is_bent_off_it(offset: float) -> None:
-    wall = Scene([Box((0.9 + offset, 0.0, 1.0), (1.0, 4.0, 4.0))])
+    wall = sn.Scene([sn.Box((0.9 + offset, 0.0, 1.0), (1.0, 4.0, 4.0))])
     arc, overlap = out(wall, (1.0, 0.0, 1.5), FREE)
     assert overlap <= 0.0
     assert gap(wall, FREE, arc) >= 0.0

@@ -8,16 +8,11 @@ import math
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.kernels.growing.beam import CHAIN_WIDTH, END_DISTANCE, FRAME, LAST_SEGMENT_Q, PARENT, SEGMENT_BEFORE_Q
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.growing.turning import turn_round
-from sinuous.model.poses import pose
-from sinuous.model.robot import Robot, robot_group
-from sinuous.model.segment import Segment
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box
-from sinuous.scene.scene import Scene
+from sinuous.model.robot import robot_group
 from sinuous.solver.polylines import respaced
 from tests.helpers import Floats, kernel_groups
 
@@ -25,22 +20,22 @@ RADIUS = 0.1
 KEPT = 0.5
 """Deepest overlap of a chain that is kept, in radii."""
 
-ROBOT = Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
+ROBOT = sn.Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
 BEHIND = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.6, 0.0, 0.5], [1.0, 0.0, 0.0], [1.2, 0.0, -2.0]])
 """A route that turns back on the spot, as no body can."""
 
 BOXES = [
-    *(Box((1.2 + side * 1.2, 0.0, -0.75), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)),
-    *(Box((1.2, side * 1.2, -0.75), (0.4, 2.0, 0.1)) for side in (-1.0, 1.0)),
+    *(sn.Box((1.2 + side * 1.2, 0.0, -0.75), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)),
+    *(sn.Box((1.2, side * 1.2, -0.75), (0.4, 2.0, 0.1)) for side in (-1.0, 1.0)),
 ]
-WALLS = Scene(BOXES)
+WALLS = sn.Scene(BOXES)
 """A wall beside the base, with a slit of 0.4."""
 
 
 def grown(
-    robot: Robot,
-    scene: Scene,
-    targets: list[Target],
+    robot: sn.Robot,
+    scene: sn.Scene,
+    targets: list[sn.Target],
     legs: list[Floats],
     count: int = 4,
     seconds: float = 60.0,
@@ -48,7 +43,7 @@ def grown(
     points: int = 80,
 ) -> Floats:
     """The best `count` chains of the most segments that there are."""
-    problem = Problem(robot, targets, scene)
+    problem = sn.Problem(robot, targets, scene)
     n, width = len(robot) if most is None else most, 8 * count
     levels = np.full((n + 1, width, CHAIN_WIDTH), np.nan)  # nothing of what was there before may matter
     workspace, counts = np.full(growing_size(len(problem.scene), width), np.nan), np.full(n + 1, -1)
@@ -68,18 +63,18 @@ def grown(
     return chains
 
 
-def _pose(robot: Robot, q: Floats, k: int) -> Floats:
+def _pose(robot: sn.Robot, q: Floats, k: int) -> Floats:
     """Pose (12,) of the end of segment `k`, counted from 1, as a row."""
     end = robot.forward(q)[k - 1]
     return np.append(end[:3, :3].ravel(), end[:3, 3])
 
 
-def overlap(robot: Robot, scene: Scene, q: Floats) -> float:
+def overlap(robot: sn.Robot, scene: sn.Scene, q: Floats) -> float:
     """Deepest overlap of the body with obstacles, in radii, by brute force."""
     return float(1.0 - scene.distance(robot.backbone(q, 100)).min() / RADIUS)
 
 
-def own_gap(robot: Robot, q: Floats) -> float:
+def own_gap(robot: sn.Robot, q: Floats) -> float:
     """Least distance of two places that are half a circle apart along the body, by brute force."""
     line = robot.backbone(q, 40)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
@@ -89,7 +84,7 @@ def own_gap(robot: Robot, q: Floats) -> float:
 
 @pytest.mark.parametrize("direction", [None, (0.0, 0.0, -1.0)])
 def test_chains_turn_back_through_a_slit_within_limits(direction: tuple[float, float, float] | None) -> None:
-    target = Target((1.2, 0.0, -2.0), direction=direction)
+    target = sn.Target((1.2, 0.0, -2.0), direction=direction)
     chains = grown(ROBOT, WALLS, [target], [BEHIND])
     assert len(chains) == 4
     for q in chains:
@@ -105,7 +100,7 @@ def test_chains_turn_back_through_a_slit_within_limits(direction: tuple[float, f
 @pytest.mark.parametrize("most", [1, 4])
 def test_without_a_route_chains_differ_keep_what_they_have_to_and_can_still_get_there(most: int) -> None:
     target = np.array([1.2, 0.0, -2.0])
-    chains = grown(ROBOT, WALLS, [Target(target)], [BEHIND], count=16, most=most, points=2)
+    chains = grown(ROBOT, WALLS, [sn.Target(target)], [BEHIND], count=16, most=most, points=2)
     part = ROBOT.changed(segments=ROBOT.segments[:most])
     ends = np.stack([part.tip(q)[:3, 3] for q in chains])
     assert len(chains) == 16
@@ -119,34 +114,34 @@ def test_without_a_route_chains_differ_keep_what_they_have_to_and_can_still_get_
 
 def test_no_chain_crosses_a_wall() -> None:
     """However thin it is: on this side of it the route is seen, but beyond it the rest cannot be."""
-    wall = Scene([Box((0.0, 0.0, 1.5), (9.0, 9.0, 0.02))])
+    wall = sn.Scene([sn.Box((0.0, 0.0, 1.5), (9.0, 9.0, 0.02))])
     through = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.0), 30)
-    for q in grown(ROBOT, wall, [Target((0.0, 0.0, 4.0))], [through]):
+    for q in grown(ROBOT, wall, [sn.Target((0.0, 0.0, 4.0))], [through]):
         assert ROBOT.backbone(q, 50)[:, 2].max() < 1.5
 
 
 def test_a_chain_goes_from_target_to_target() -> None:
     elbow, tip = np.array([0.8, 0.0, 2.0]), np.array([3.2, 0.4, 2.8])
     legs = [np.linspace(np.zeros(3), elbow, 20), np.linspace(elbow, tip, 20)]
-    targets = [Target(tip), Target(elbow, segment=3)]
-    best = grown(ROBOT, Scene([]), targets, legs)[0]
+    targets = [sn.Target(tip), sn.Target(elbow, segment=3)]
+    best = grown(ROBOT, sn.Scene([]), targets, legs)[0]
     ends = ROBOT.backbone(best, 1)
     assert np.linalg.norm(ends[3] - elbow) < 0.5
     assert np.linalg.norm(ends[6] - tip) < 0.5
 
 
 def test_without_time_there_is_none() -> None:
-    assert len(grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND], seconds=0.0)) == 0
+    assert len(grown(ROBOT, WALLS, [sn.Target(BEHIND[-1])], [BEHIND], seconds=0.0)) == 0
 
 
 def test_chains_stop_in_the_open() -> None:
     """Out of a straight channel, two segments and a half long: the third segment ends beyond it."""
     walls = [
-        Box((x, y, 1.2), (0.2 if x else 1.0, 0.2 if y else 1.0, 2.6))
+        sn.Box((x, y, 1.2), (0.2 if x else 1.0, 0.2 if y else 1.0, 2.6))
         for x, y in ((0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.0, -0.3))
     ]
     goal = np.array([3.0, 0.0, 4.0])
-    problem = Problem(ROBOT, [Target(goal)], Scene(walls))
+    problem = sn.Problem(ROBOT, [sn.Target(goal)], sn.Scene(walls))
     points = respaced(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.8], goal]), 80)[None]
     root = np.append(np.eye(3).ravel(), np.zeros(3))[None]
     levels, counts = np.zeros((7, 8, CHAIN_WIDTH)), np.zeros(7, np.int64)
@@ -165,13 +160,13 @@ def test_chains_stop_in_the_open() -> None:
 def test_a_chain_and_the_one_turned_round_are_one_curve(seed: int) -> None:
     rng = np.random.default_rng(seed)
     n = 1 + 2 * seed
-    segments = [Segment((0.5, 2.0), 4.0)] * n
-    robot = Robot(segments, base=pose(rng.normal(size=3), rotation=rng.normal(size=4)))
+    segments = [sn.Segment((0.5, 2.0), 4.0)] * n
+    robot = sn.Robot(segments, base=sn.pose(rng.normal(size=3), rotation=rng.normal(size=4)))
     q = np.column_stack([rng.uniform(-1.5, 1.5, (n, 2)), rng.uniform(0.5, 2.0, n)])
     tip = robot.tip(q)
     flip = np.diag([1.0, -1.0, -1.0, 1.0])
-    roll = pose(rotation=(np.cos(0.4), 0.0, 0.0, np.sin(0.4)))  # nothing may hang on the angle that it begins with
-    other = Robot(segments, base=tip @ roll @ flip)
+    roll = sn.pose(rotation=(np.cos(0.4), 0.0, 0.0, np.sin(0.4)))  # nothing may hang on the angle that it begins with
+    other = sn.Robot(segments, base=tip @ roll @ flip)
     back, there = np.empty((n, 3)), np.empty((n, 3))
     groups = robot_group(robot), robot_group(other)
     # From the robot's own chain to that of the turned one, and back.

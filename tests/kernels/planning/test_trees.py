@@ -7,7 +7,6 @@ import sinuous as sn
 from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
-from sinuous.scene.scene import Scene
 from tests.kernels.certificate.motions import shape
 
 SEGMENTS, NODES = 2, 40
@@ -61,7 +60,7 @@ def test_a_tree_that_is_behind_keeps_limits_that_segments_share() -> None:
     rng = np.random.default_rng(5)
     goals = [q for q in (shape(robot, rng) for _ in range(2000)) if robot.excess(q) <= 0.0]
     goals = [q for q in goals if np.hypot(*robot.tip(q)[:2, 3]) > 1.0][:150]
-    scene = Scene([sn.Sphere(robot.tip(q)[:3, 3], 0.02) for q in goals])  # so none of them is reached
+    scene = sn.Scene([sn.Sphere(robot.tip(q)[:3, 3], 0.02) for q in goals])  # so none of them is reached
     trees = RRTConnect(robot, scene.snapshot())
     assert trees.grow(np.stack([np.tile([0.0, 0.0, 1.0], (4, 1)), *goals]), 0, (0, 200), Deadline(1e4)) is None
     assert len(goals) == 150

@@ -10,7 +10,6 @@ from sinuous.base.checks import Floats
 from sinuous.kernels import tables
 from sinuous.kernels.clock import DEADLINE, STRIDE, WORK
 from sinuous.kernels.solve.clearance import CLEARANCE_STEPS, GRAZING, increase_clearance
-from sinuous.problem.problem import Problem
 from tests.helpers import kernel_problem
 from tests.kernels.workspace import NEVER, make_workspace
 
@@ -47,7 +46,7 @@ def test_answers_in_contact_get_room_and_stay_answers() -> None:
     for target, q, before in touching(8):
         best, used, (off, turn, clearance, _, _) = taken(target, q, before, ROOM)
         assert 0 < used <= CLEARANCE_STEPS
-        found = verify(Problem(ROBOT, target, SCENE), best)
+        found = verify(sn.Problem(ROBOT, target, SCENE), best)
         assert found.ok
         gained.append(clearance / before)
         if gained[-1] == 1.0:

@@ -5,24 +5,23 @@ import math
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.kernels.solve import starts
 from sinuous.kernels.step.limits import scattered
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from tests.helpers import Floats, expm_chain, frames_of, random_pose, vec
 
-MIXED = Robot(
+MIXED = sn.Robot(
     [
-        Segment((0.5, 2.0), 2.0),
-        Segment((0.5, 2.0), 6.0, max_curvature=1.5),
-        Segment((0.0, 1.0), 1.0),
-        Segment(1.0, 0.0),
-        Segment(0.7, math.pi),
+        sn.Segment((0.5, 2.0), 2.0),
+        sn.Segment((0.5, 2.0), 6.0, max_curvature=1.5),
+        sn.Segment((0.0, 1.0), 1.0),
+        sn.Segment(1.0, 0.0),
+        sn.Segment(0.7, math.pi),
     ]
 )
 
 
-def single_arc(robot: Robot, goal: Floats, tip: int, base: Floats) -> Floats:
+def single_arc(robot: sn.Robot, goal: Floats, tip: int, base: Floats) -> Floats:
     q = np.full((len(robot), 3), np.nan)
     starts.single_arc(robot.limits, frames_of(np.zeros((len(robot), 3)), base), tip, vec(goal), q)
     return q
@@ -33,7 +32,7 @@ def test_the_single_arc_ends_at_the_goal_where_lengths_and_bends_allow(seed: int
     rng = np.random.default_rng(seed)
     base = random_pose(rng)
     tip = int(rng.integers(1, 6))
-    robot = Robot.uniform(6, (0.01, 5.0), max_bend=7.0)
+    robot = sn.Robot.uniform(6, (0.01, 5.0), max_bend=7.0)
     bend, angle = rng.choice([0.0, 1e-6, 1.0, 3.0, 5.0]), rng.uniform(-math.pi, math.pi)
     goal = expm_chain(np.array([[bend * math.cos(angle), bend * math.sin(angle), 3.0]]), base)[-1][:3, 3]
     q = single_arc(robot, goal, tip, base)
@@ -61,7 +60,7 @@ def test_every_start_keeps_the_limits(seed: int) -> None:
         assert MIXED.excess(q) <= 1e-12
 
 
-def sequence(seed: int, count: int, robot: Robot = MIXED, most: float = math.pi) -> Floats:
+def sequence(seed: int, count: int, robot: sn.Robot = MIXED, most: float = math.pi) -> Floats:
     out = np.empty((count, len(robot), 3))
     for i in range(count):
         scattered(robot.limits, i, seed, most, out[i])

@@ -5,23 +5,21 @@ from typing import Any
 import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.kernels.body.rows import END, HARD, IDLE
 from sinuous.kernels.step import actuation, limits, sweeps
-from sinuous.model.actuators import Chambers, Tendons
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from tests.helpers import Floats, columns_of, make_rows
 
 
-def driven_robot() -> Robot:
+def driven_robot() -> sn.Robot:
     """Tendons through all segments before theirs, chambers along one, and segments without either."""
-    return Robot(
+    return sn.Robot(
         [
-            Segment((0.8, 1.2), tendons=Tendons(3, 0.05, displacement=(-0.06, 0.05))),
-            Segment((0.8, 1.2), chambers=Chambers(3, 0.1, 0.3, length=(0.75, 1.25))),
-            Segment((0.8, 1.2)),
-            Segment(1.0, tendons=Tendons(4, 0.05, 0.2, displacement=(-0.08, 0.08))),
-            Segment((0.8, 1.2), tendons=Tendons(angles=[0.0, 2.0], radius=0.04, displacement=(-0.1, 0.04))),
+            sn.Segment((0.8, 1.2), tendons=sn.Tendons(3, 0.05, displacement=(-0.06, 0.05))),
+            sn.Segment((0.8, 1.2), chambers=sn.Chambers(3, 0.1, 0.3, length=(0.75, 1.25))),
+            sn.Segment((0.8, 1.2)),
+            sn.Segment(1.0, tendons=sn.Tendons(4, 0.05, 0.2, displacement=(-0.08, 0.08))),
+            sn.Segment((0.8, 1.2), tendons=sn.Tendons(angles=[0.0, 2.0], radius=0.04, displacement=(-0.1, 0.04))),
         ]
     )
 

@@ -8,20 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import sinuous as sn
 from sinuous.kernels.step import limits
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
 from tests.helpers import BENDS, Floats
 
 SEGMENTS = (
-    Segment((0.5, 2.0), 2.0),
-    Segment((0.5, 2.0), 2.0, max_curvature=1.5),
-    Segment((0.0, 2.0), 6.0, max_curvature=0.7),
-    Segment(1.0, 1.0),
-    Segment((0.5, 1.0), 0.0),
-    Segment(0.0, 1.0),
+    sn.Segment((0.5, 2.0), 2.0),
+    sn.Segment((0.5, 2.0), 2.0, max_curvature=1.5),
+    sn.Segment((0.0, 2.0), 6.0, max_curvature=0.7),
+    sn.Segment(1.0, 1.0),
+    sn.Segment((0.5, 1.0), 0.0),
+    sn.Segment(0.0, 1.0),
 )
-TABLE = Robot(SEGMENTS).limits
+TABLE = sn.Robot(SEGMENTS).limits
 ONES = st.integers(0, len(SEGMENTS) - 1)
 bends = st.one_of(st.sampled_from(BENDS), st.floats(0.0, 10.0))
 angles = st.floats(-math.pi, math.pi)

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+import sinuous as sn
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import SEGMENT_WORK, STRIDE
 from sinuous.kernels.fields import solids
@@ -16,28 +17,24 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.newton import MISSED
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, pick
-from sinuous.model.actuators import Tendons
-from sinuous.model.robot import Robot
-from sinuous.model.segment import Segment
-from sinuous.problem.target import Target, Tolerance
 from tests.helpers import Floats, kernel_problem, random_pose
 from tests.kernels.workspace import NEVER, make_workspace, put
 
-WIDE = Robot(
-    [Segment((0.5, 1.5), 6.0), Segment(1.0, 6.0), Segment((0.2, 0.8), 6.0), Segment((0.9, 1.1), 6.0)],
+WIDE = sn.Robot(
+    [sn.Segment((0.5, 1.5), 6.0), sn.Segment(1.0, 6.0), sn.Segment((0.2, 0.8), 6.0), sn.Segment((0.9, 1.1), 6.0)],
     base=random_pose(np.random.default_rng(1)),
     tool=random_pose(np.random.default_rng(2), 0.1),
 )
-TIGHT = Robot(
+TIGHT = sn.Robot(
     [
-        Segment((0.5, 1.5), 1.0, max_curvature=0.9, tendons=Tendons(3, 0.05, displacement=(-0.03, 0.04))),
-        Segment(1.0, 0.7),
-        Segment((0.2, 0.8), 2.0),
+        sn.Segment((0.5, 1.5), 1.0, max_curvature=0.9, tendons=sn.Tendons(3, 0.05, displacement=(-0.03, 0.04))),
+        sn.Segment(1.0, 0.7),
+        sn.Segment((0.2, 0.8), 2.0),
     ]
 )
 
 
-def shape(robot: Robot, seed: int, share: float = 0.4) -> Floats:
+def shape(robot: sn.Robot, seed: int, share: float = 0.4) -> Floats:
     """Return a configuration well within the limits."""
     rng = np.random.default_rng(seed)
     low, high, bend = robot.limits[:, :3].T
@@ -46,14 +43,14 @@ def shape(robot: Robot, seed: int, share: float = 0.4) -> Floats:
     return np.stack([size * np.cos(angle), size * np.sin(angle), length], axis=-1)
 
 
-def targets_at(robot: Robot, q: Floats, seed: int) -> list[Target]:
+def targets_at(robot: sn.Robot, q: Floats, seed: int) -> list[sn.Target]:
     """Targets that a configuration meets: the whole pose of the tip, and the place of a segment before it."""
     tip, inner = robot.tip(q), robot.forward(q)
-    first = Target(tip[:3, 3], rotation=tip[:3, :3])
-    return [first] if seed % 2 else [first, Target(inner[1, :3, 3], segment=2)]
+    first = sn.Target(tip[:3, 3], rotation=tip[:3, :3])
+    return [first] if seed % 2 else [first, sn.Target(inner[1, :3, 3], segment=2)]
 
 
-def dense(robot: Robot, targets: list[Target], q: Floats) -> tuple[Floats, Floats]:
+def dense(robot: sn.Robot, targets: list[sn.Target], q: Floats) -> tuple[Floats, Floats]:
     """Jacobian and what is missing, in the units of a step: lengths relative to that of the robot."""
     unit = robot.mean_length
     matrices, missing = [], []
@@ -99,7 +96,7 @@ def test_the_step_is_the_dense_damped_gauss_newton_step(seed: int, mu: float) ->
 @given(st.integers(0, 10**6), st.sampled_from([1e-10, 1e-3, 1.0]))
 def test_a_step_keeps_the_limits(seed: int, mu: float) -> None:
     far = random_pose(np.random.default_rng(seed), 2.0)
-    problem = kernel_problem(TIGHT, Target(far[:3, 3], rotation=far[:3, :3]))
+    problem = kernel_problem(TIGHT, sn.Target(far[:3, 3], rotation=far[:3, :3]))
     states, work = make_workspace(problem)
     put(states, 0, shape(TIGHT, seed, 3.0))
     newton.project_to_limits(problem, pick(states, 0), work)
@@ -120,7 +117,7 @@ def descended(problem: Problem, q: Floats, most: int = 60, deadline: int = NEVER
 
 @settings(max_examples=10)
 @given(st.integers(0, 10**6), st.sampled_from([WIDE, TIGHT]))
-def test_the_merit_never_grows(seed: int, robot: Robot) -> None:
+def test_the_merit_never_grows(seed: int, robot: sn.Robot) -> None:
     """A descent that may take one step more is the same one, and its best is no worse."""
     targets = targets_at(robot, shape(robot, seed + 1), seed)
     problem = kernel_problem(robot, targets)
@@ -144,13 +141,13 @@ def test_close_to_a_solution_it_converges_like_newton(seed: int) -> None:
     rng = np.random.default_rng(seed)
     near = q + 0.02 * rng.normal(size=q.shape) * [1, 1, 0]
     targets = targets_at(WIDE, q, seed)
-    _, _, verdict, used = descended(kernel_problem(WIDE, targets, tolerance=Tolerance(1e-9, 1e-9)), near)
+    _, _, verdict, used = descended(kernel_problem(WIDE, targets, tolerance=sn.Tolerance(1e-9, 1e-9)), near)
     assert verdict == CLEAR
     assert used <= 5
 
 
 def test_a_deadline_ends_a_descent_when_the_time_is_read() -> None:
-    problem = kernel_problem(WIDE, Target((0.0, 0.0, 99.0), direction=(1, 0, 0)))
+    problem = kernel_problem(WIDE, sn.Target((0.0, 0.0, 99.0), direction=(1, 0, 0)))
     q = shape(WIDE, 3)
     *_, free = descended(problem, q)
     *_, verdict, used = descended(problem, q, 60, 0)

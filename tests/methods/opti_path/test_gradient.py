@@ -7,20 +7,18 @@ import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
 
+import sinuous as sn
 from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path.gradient import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Aim, Path, Potential, interpolated, sample
-from sinuous.model.robot import Robot
-from sinuous.scene.obstacles import Sphere
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, vec
 from tests.kernels.workspace import make_clock
 
 N = 6
-ROBOT = Robot.uniform(N, (0.8, 1.2), 2.0)
-SCENE = Scene([Sphere((0.9, 0.3, 1.5), 0.4), Sphere((-0.3, 0.2, 3.0), 0.5), Sphere((0.4, -0.5, 4.5), 0.4)])
+ROBOT = sn.Robot.uniform(N, (0.8, 1.2), 2.0)
+SCENE = sn.Scene([sn.Sphere((0.9, 0.3, 1.5), 0.4), sn.Sphere((-0.3, 0.2, 3.0), 0.5), sn.Sphere((0.4, -0.5, 4.5), 0.4)])
 WEIGHTS = Weights(1.3, 0.7, 0.9, 0.4)
 GOAL = np.array([0.6, -0.64, 0.48])
 REACH = 0.6

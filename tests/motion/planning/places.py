@@ -5,7 +5,6 @@ import numpy as np
 import sinuous as sn
 from benchmarks.places.cells import box_between, channel
 from sinuous.motion.planning.query import Deadline, FixedGoal, Query
-from sinuous.scene.scene import Scene
 from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats
 from tests.kernels.certificate.motions import shape
@@ -30,11 +29,11 @@ def bore(q: Floats = INSIDE) -> list[sn.Box]:
     return [*channel(mouth, HALF, depth, 0.46), box_between(mouth, low, high, "bottom")]
 
 
-def pair(seed: int, robot: sn.Robot = STRETCHING) -> tuple[Scene, Floats]:
+def pair(seed: int, robot: sn.Robot = STRETCHING) -> tuple[sn.Scene, Floats]:
     """Spheres, and two configurations (2, n, 3) that are clear of them and of themselves."""
     rng = np.random.default_rng(seed)
     centers = rng.uniform(-4.0, 4.0, (60, 3))
-    scene = Scene([sn.Sphere(c, 0.3) for c in centers if np.linalg.norm(c[:2]) > 0.4 or not -0.4 < c[2] < 4.4])
+    scene = sn.Scene([sn.Sphere(c, 0.3) for c in centers if np.linalg.norm(c[:2]) > 0.4 or not -0.4 < c[2] < 4.4])
     ends: list[Floats] = []
     while len(ends) < 2:
         q = shape(robot, rng)
@@ -44,7 +43,7 @@ def pair(seed: int, robot: sn.Robot = STRETCHING) -> tuple[Scene, Floats]:
 
 
 def query(
-    scene: Scene, start: Floats = OUTSIDE, goal: Floats = INSIDE, seconds: float = 60.0, robot: sn.Robot = ROBOT
+    scene: sn.Scene, start: Floats = OUTSIDE, goal: Floats = INSIDE, seconds: float = 60.0, robot: sn.Robot = ROBOT
 ) -> Query:
     """Ask for a path from one configuration to another."""
     return Query(robot, scene.snapshot(), start, FixedGoal(goal), 0, Deadline(seconds))

@@ -18,8 +18,6 @@ from sinuous.motion.planning.planners import PlanSearch
 from sinuous.motion.planning.retraction import ENOUGH, KINDS, LONGEST, Retraction, slid_back
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.tree import Chain
-from sinuous.problem.path import Curve
-from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 from tests.motion.planning.places import INSIDE, OUTSIDE, ROBOT, bore, query
 
@@ -28,7 +26,7 @@ OTHER = -INSIDE * [1.0, 1.0, -1.0]
 
 
 def draw_back(
-    scene: Scene, q: Floats, kind: int, seconds: float = 60.0, robot: sn.Robot = ROBOT, other: Floats = OUTSIDE
+    scene: sn.Scene, q: Floats, kind: int, seconds: float = 60.0, robot: sn.Robot = ROBOT, other: Floats = OUTSIDE
 ) -> Floats:
     made = Retraction(LocalPlanner(query(scene, OUTSIDE, q, seconds, robot)), q, kind, other)
     assert made.run()
@@ -37,11 +35,11 @@ def draw_back(
 
 @pytest.mark.parametrize("kind", range(len(KINDS)))
 def test_it_leads_out_of_a_bore(kind: int) -> None:
-    scene = Scene(bore())
+    scene = sn.Scene(bore())
     knots = draw_back(scene, INSIDE, kind)
     np.testing.assert_array_equal(knots[0], INSIDE)
     assert wrong_in(ROBOT, scene, knots) == ""
-    curve = Curve(ROBOT.backbone(INSIDE, 40))
+    curve = sn.Curve(ROBOT.backbone(INSIDE, 40))
     tips = ROBOT.forward(knots)[:, -1, :3, 3]
     assert curve.distance(tips).max() < 1e-3 * ROBOT.mean_length
     gone = np.linalg.norm(np.diff(tips, axis=0), axis=1)
@@ -72,7 +70,7 @@ def test_sliding_back_is_the_least_that_the_ends_are_off() -> None:
     ids=["into a bore", "out of it", "from one into another"],
 )
 def test_paths_are_found_that_trees_alone_do_not_find(start: Floats, goal: Floats, walls: list[sn.Box]) -> None:
-    scene = Scene(walls)
+    scene = sn.Scene(walls)
     asked = query(scene, start, goal)
     trees = RRTConnect(ROBOT, asked.scene)
     assert trees.grow(np.stack([start, goal]), 0, (0, 1024), asked.deadline) is None
@@ -85,7 +83,7 @@ def test_paths_are_found_that_trees_alone_do_not_find(start: Floats, goal: Float
     assert wrong_in(ROBOT, scene, motion.q) == ""
 
 
-def grow(scene: Scene, seed: int = 0, seconds: float = 60.0) -> Chain | None:
+def grow(scene: sn.Scene, seed: int = 0, seconds: float = 60.0) -> Chain | None:
     """The path into a bore that trees find from how far its goal can be drawn back."""
     local = LocalPlanner(query(scene, seconds=seconds))
     drawn_back = Retraction(local, INSIDE, 0, OUTSIDE)
@@ -97,7 +95,7 @@ def grow(scene: Scene, seed: int = 0, seconds: float = 60.0) -> Chain | None:
 
 
 def test_the_path_is_clear_and_the_same_each_time() -> None:
-    scene = Scene(bore())
+    scene = sn.Scene(bore())
     one, other = grow(scene), grow(scene)
     assert one is not None
     np.testing.assert_array_equal(np.stack(one)[[0, -1]], [OUTSIDE, INSIDE])

@@ -4,23 +4,22 @@ import itertools
 
 import numpy as np
 
+import sinuous as sn
 from benchmarks.judges.kinematics import body_points
-from sinuous.model.robot import Robot
-from sinuous.problem.target import Target
-from sinuous.scene.obstacles import Box, Cylinder, Obstacle, Sphere
+from sinuous.scene.obstacles import Obstacle
 from tests.helpers import Floats
 
-ROBOT = Robot.uniform(6, (40.0, 60.0), 2.4, radius=4.0)
-TARGET = Target((0.0, 0.0, 250.0))
+ROBOT = sn.Robot.uniform(6, (40.0, 60.0), 2.4, radius=4.0)
+TARGET = sn.Target((0.0, 0.0, 250.0))
 
 BARS = (-50.0, 0.0, 50.0)
 DOORS = ((-70.0, -45.0), (40.0, 65.0))
 ACROSS, HALF = 30.0, 500.0
 
 
-def bar(x: float, z: float, radius: float, name: str) -> Cylinder:
+def bar(x: float, z: float, radius: float, name: str) -> sn.Cylinder:
     """A pillar along y that nobody can go round."""
-    return Cylinder((x, -HALF, z), (x, HALF, z), radius, name=name)
+    return sn.Cylinder((x, -HALF, z), (x, HALF, z), radius, name=name)
 
 
 def pillar() -> list[Obstacle]:
@@ -36,11 +35,11 @@ def wall(z: float = 150.0) -> list[Obstacle]:
     edges = [-HALF, *DOORS[0], *DOORS[1], HALF]
     found: list[Obstacle] = []
     for name, low, high in zip(("left", "post", "right"), edges[::2], edges[1::2], strict=True):
-        found.append(Box((0.5 * (low + high), 0.0, z), (high - low, 2.0 * HALF, 8.0), name=name))
+        found.append(sn.Box((0.5 * (low + high), 0.0, z), (high - low, 2.0 * HALF, 8.0), name=name))
     for low, high in DOORS:
         for side in (-1.0, 1.0):
             y = side * 0.5 * (ACROSS + HALF)
-            found.append(Box((0.5 * (low + high), y, z), (high - low, HALF - ACROSS, 8.0), name="lintel"))
+            found.append(sn.Box((0.5 * (low + high), y, z), (high - low, HALF - ACROSS, 8.0), name="lintel"))
     return found
 
 
@@ -51,12 +50,12 @@ def thin_wall(doors: Floats, middle: float, thickness: float) -> list[Obstacle]:
     for (x0, x1), (y0, y1) in itertools.product(itertools.pairwise(xs), itertools.pairwise(ys)):
         place = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
         if not ((doors[:, 0] < place) & (place < doors[:, 1])).all(axis=1).any():
-            found.append(Box((*place, middle), (x1 - x0, y1 - y0, thickness)))
+            found.append(sn.Box((*place, middle), (x1 - x0, y1 - y0, thickness)))
     return found
 
 
 def ball() -> list[Obstacle]:
-    return [Sphere((0.0, 0.0, 140.0), 40.0, name="ball")]
+    return [sn.Sphere((0.0, 0.0, 140.0), 40.0, name="ball")]
 
 
 def crossing(q: Floats, z: float) -> list[float]:

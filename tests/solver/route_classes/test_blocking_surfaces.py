@@ -5,9 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from sinuous.scene.mesh import Mesh
+import sinuous as sn
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.scene import Scene
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passage, SurfaceBounds, make_blocking_surface, passages, refined
 from tests.helpers import Floats
@@ -18,10 +17,10 @@ BOUNDS = SurfaceBounds(ENDS, 20.0, 300.0, 0.8, 4.0)
 
 
 def curves(scene: list[Obstacle]) -> RouteCurves:
-    return RouteCurves(ROBOT, Scene(scene).snapshot())
+    return RouteCurves(ROBOT, sn.Scene(scene).snapshot())
 
 
-def made(own: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> Mesh:
+def made(own: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> sn.Mesh:
     closing = make_blocking_surface(own, passage, bounds)
     assert closing is not None
     return closing
@@ -72,7 +71,7 @@ def test_a_blocking_surface_in_a_thin_wall_leaves_the_other_doors_open(
     middle: float, thickness: float, high: float, edges: list[list[list[float]]]
 ) -> None:
     doors = np.array(edges)
-    own = RouteCurves(ROBOT, Scene(thin_wall(doors, middle, thickness)).snapshot())
+    own = RouteCurves(ROBOT, sn.Scene(thin_wall(doors, middle, thickness)).snapshot())
     bounds = SurfaceBounds(np.array([np.zeros(3), (30.0, 20.0, high)]), 30.0, 360.0, 0.8, 5.6)
     middles = [(*door.mean(axis=0), middle) for door in doors]
     for i, place in enumerate(middles):

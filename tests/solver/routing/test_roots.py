@@ -12,7 +12,6 @@ from benchmarks.places.cells import box_between, channel
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import POSE_POSITION
 from sinuous.measures.obstacles import measure
-from sinuous.problem.problem import Problem
 from sinuous.solver.routing.partial_chains import end_pose, leading_rows, segments_in
 from sinuous.solver.routing.roots import Roots
 from sinuous.solver.routing.searches import Searches
@@ -49,7 +48,7 @@ def test_where_the_robot_begins_is_a_choice_with_joints_or_on_a_long_stage() -> 
 @pytest.mark.parametrize("robot", [CARRIED, STAGED], ids=["joints", "stage"])
 def test_roots_are_within_limits_clear_and_apart(robot: sn.Robot) -> None:
     scene = sn.Scene([*walls(0.03), sn.Sphere((0.5, 0, 0.3), 0.15)])
-    problem = Problem(robot, TARGET, scene)
+    problem = sn.Problem(robot, TARGET, scene)
     roots = Roots(Searches(robot, scene, problem.tolerance), problem, lambda: 60.0)
     found = [root.chain for root in islice(roots.roots(None), 8)]
     assert len(found) == 8

@@ -12,8 +12,6 @@ import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
-from sinuous.problem.problem import Problem
-from sinuous.scene.mesh import Mesh
 from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches
 from sinuous.solver.strategy import attempts_of, plans_of
@@ -47,15 +45,15 @@ def target() -> Target:
     return Target(ROBOT.tip(HIDDEN)[:3, 3])
 
 
-def problem(robot: Robot, target: Target, scene: Scene) -> Problem:
-    return Problem(robot, target, scene)
+def problem(robot: Robot, target: Target, scene: Scene) -> sn.Problem:
+    return sn.Problem(robot, target, scene)
 
 
 def router(robot: Robot, scene: Scene) -> Searches:
     return Searches(robot, scene, sn.Tolerance().for_robot(robot))
 
 
-def question(asked: Problem, seconds: float = 60.0) -> IKQuery:
+def question(asked: sn.Problem, seconds: float = 60.0) -> IKQuery:
     return IKQuery(asked, np.empty((0, len(asked.robot), 3)), lambda: seconds)
 
 
@@ -65,7 +63,7 @@ def batches_of(finder: Searches, asked: IKQuery, *without: str) -> Iterator[Star
     return (batch for batch in attempts_of(asked, RandomRestarts(3, 10), finder, without=off).batches() if batch.size)
 
 
-def first(finder: Searches, asked: Problem) -> FoundRoutes:
+def first(finder: Searches, asked: sn.Problem) -> FoundRoutes:
     """What the quickest plan finds."""
     query = finder.query(asked)
     assert query is not None
@@ -196,7 +194,7 @@ def test_nothing_is_proved_where_the_body_may_end_within_its_mount(mount: float,
     robot = Robot([Segment((0.2, 1.0), 1.0, radius=0.05)] * 3, mount=mount)
     hidden = np.array([[0.3, 0.1, 0.22], [0.2, 0.0, 0.21], [-0.1, 0.2, 0.22]])
     scene = Scene([Sphere((0, 0, 0), 0.55, inside=True)])
-    problem = Problem(robot, [Target(robot.tip(hidden)[:3, 3])], scene)
+    problem = sn.Problem(robot, [Target(robot.tip(hidden)[:3, 3])], scene)
     searches = Searches(robot, scene, problem.tolerance)
     query = searches.query(problem)
     assert query is not None
@@ -214,7 +212,7 @@ def test_routes_around_edges_come_first_where_walls_of_a_mesh_enclose_the_base(t
     for axis, side in np.ndindex(3, 2):
         center, size = np.zeros(3), np.full(3, 4.4)
         center[axis], size[axis] = 2.1 * (2 * side - 1), 0.2
-        room.append(Mesh((vertices * size + center) @ turn.T, faces))
+        room.append(sn.Mesh((vertices * size + center) @ turn.T, faces))
     for walls, enclosed in ((room, True), (room[1:], True), (room[2:4], False), (room[4:], False)):
         scene = Scene(walls)
         asked = problem(robot, Target((0.0, 0.0, 1.0)), scene)

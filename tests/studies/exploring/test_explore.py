@@ -10,7 +10,6 @@ import pytest
 
 import sinuous as sn
 from benchmarks.judges.motions import wrong_in
-from sinuous.scene.scene import Scene
 from sinuous.solver.options import SolveOptions
 from sinuous.studies.exploring.explorer import Explorer
 
@@ -52,7 +51,7 @@ def test_all_that_is_kept_is_clear_and_within_limits(two: sn.studies.Exploration
     assert 0.5 < two.joined <= 1.0
     rng = np.random.default_rng(0)
     for pair in memory.edges[rng.choice(len(memory.edges), 25, replace=False)]:
-        assert not wrong_in(ROBOT, Scene(SCENE), memory.q[pair])
+        assert not wrong_in(ROBOT, sn.Scene(SCENE), memory.q[pair])
 
 
 def test_a_plan_walks_along_what_is_kept(two: sn.studies.Exploration) -> None:
@@ -64,7 +63,7 @@ def test_a_plan_walks_along_what_is_kept(two: sn.studies.Exploration) -> None:
         motion = planner.plan(graph.q[one], goal)
         assert motion.solved
         assert motion.solutions[0].verify().ok
-        assert not wrong_in(ROBOT, Scene(SCENE), motion.q)
+        assert not wrong_in(ROBOT, sn.Scene(SCENE), motion.q)
         to_shape = planner.plan(graph.q[one], graph.q[other])
         assert to_shape.solved
         np.testing.assert_array_equal(to_shape.q[[0, -1]], graph.q[[one, other]])
@@ -78,13 +77,13 @@ def test_a_changed_scene_keeps_what_is_still_clear(two: sn.studies.Exploration) 
     start, goal = (sn.solve(ROBOT, sn.Target(place), more).q for place in ((0.2, -1.2, 0.9), (0.9, -0.4, 1.6)))
     motion = sn.plan(ROBOT, start, goal, more, memory=memory.reading())
     assert motion.solved  # motions that are not clear any more are closed on the way
-    assert not wrong_in(ROBOT, Scene(more), motion.q)
+    assert not wrong_in(ROBOT, sn.Scene(more), motion.q)
     left = explored(0, memory, more)
     assert 0 < left.shapes < two.shapes
     assert 0 < left.motions < two.motions
     assert (left.rounds, left.tests) == (0, 0)
     for pair in memory.edges[:: len(memory.edges) // 10]:
-        assert not wrong_in(ROBOT, Scene(more), memory.q[pair])
+        assert not wrong_in(ROBOT, sn.Scene(more), memory.q[pair])
 
 
 def test_a_plan_that_is_searched_for_is_remembered() -> None:
@@ -108,7 +107,7 @@ def test_starts_are_joined_and_a_worker_travels(two: sn.studies.Exploration) -> 
     assert (blocked.shapes, blocked.parts) == (0, ())
     assert np.isnan(blocked.covered)
     assert blocked.to_dict()["covered"] is None
-    explorer = Explorer(ROBOT, Scene(SCENE), SolveOptions.of({"max_starts": 3}))
+    explorer = Explorer(ROBOT, sn.Scene(SCENE), SolveOptions.of({"max_starts": 3}))
     assert pickle.loads(pickle.dumps(explorer)).robot.equals(ROBOT)
 
 

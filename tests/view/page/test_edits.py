@@ -19,7 +19,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.errors import InputError
 from sinuous.scene.obstacles import Obstacle
 from sinuous.view.page.edits import KINDS, make_obstacle, move_obstacle, pose_of, resize_obstacle, sizes_of
 from sinuous.view.page.panel import Fields
@@ -73,7 +72,7 @@ def test_grids_move_unless_a_file_says_where_they_are(tmp_path: Path) -> None:
     np.savez(tmp_path / "grid.npz", values=values, origin=np.zeros(3), spacing=1.0)
     fixed = sn.Grid.load(tmp_path / "grid.npz")
     assert pose_of(fixed) is None
-    with pytest.raises(InputError, match="cannot be moved"):
+    with pytest.raises(sn.InputError, match="cannot be moved"):
         move_obstacle(fixed, shift)
 
 

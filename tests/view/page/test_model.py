@@ -11,7 +11,6 @@ import pytest
 
 import sinuous as sn
 from sinuous.answer.remedies import Remedy
-from sinuous.base.errors import InputError
 from sinuous.model.segment import straight
 from sinuous.view.page.model import History, PageModel, problem_text, read_problem
 from sinuous.view.page.session import QUICK_SECONDS, solve_question
@@ -43,7 +42,7 @@ def test_a_target_is_moved_and_turned_as_far_as_it_asks() -> None:
     rotation = page.targets[0].rotation
     assert rotation is not None
     np.testing.assert_allclose(rotation, ROBOT.tip(page.q)[:3, :3], atol=1e-12)
-    with pytest.raises(InputError, match="asked"):
+    with pytest.raises(sn.InputError, match="asked"):
         page.ask(0, "more")
 
 
@@ -97,7 +96,7 @@ def test_a_shape_that_is_bent_by_hand_stays_until_something_is_asked() -> None:
     page.solve_from_here()
     assert not page.by_hand
     np.testing.assert_array_equal(page.question().initial[1], (0.5, -0.25, 0.9))
-    with pytest.raises(InputError, match="segment"):
+    with pytest.raises(sn.InputError, match="segment"):
         page.bend(3, 0, 0, 1)
 
 
@@ -158,7 +157,7 @@ def test_remedies_are_applied_to_what_is_on_the_page() -> None:
     assert solve_question(page.question()).solved
     page.apply(Remedy("time", 1.0, 4.0))
     assert page.settings.time == 4.0
-    with pytest.raises(InputError, match="from Python"):
+    with pytest.raises(sn.InputError, match="from Python"):
         page.apply(Remedy("max_starts", 1, 10))
 
 
@@ -174,7 +173,7 @@ def test_segments_are_added_and_taken_away_with_all_that_counts_them() -> None:
     page.add_segment(None)
     assert len(page.robot) == len(page.q) == 5
     assert page.targets[1].segment == 3
-    with pytest.raises(InputError, match="a target asks for its end"):
+    with pytest.raises(sn.InputError, match="a target asks for its end"):
         page.remove_segment(2)
     page.remove_segment(None)
     page.remove_segment(0)
@@ -184,7 +183,7 @@ def test_segments_are_added_and_taken_away_with_all_that_counts_them() -> None:
     page = model()
     page.remove_segment(0)
     page.remove_segment(0)
-    with pytest.raises(InputError, match="segments"):
+    with pytest.raises(sn.InputError, match="segments"):
         page.remove_segment(0)
     assert len(page.robot) == 1
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.errors import InputError
 from sinuous.view.page.model import PageModel, problem_text, read_problem
 from tests.scene.shapes import cube
 
@@ -79,7 +78,7 @@ def test_a_path_keeps_all_its_waypoints(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_no_problem_is_refused_in_one_line(name: str, content: bytes, expected: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(sn.InputError) as caught:
         read_problem(name, content, tmp_path)
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)

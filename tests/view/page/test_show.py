@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.errors import InputError
 from sinuous.view.display.contents import Arm, MovingArm
 from sinuous.view.page.model import PLAYED_SECONDS
 from sinuous.view.page.show import FEWEST_FRAMES, MOST_FRAMES, frames_of
@@ -71,16 +70,16 @@ def test_in_a_notebook_the_page_is_inline(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_what_cannot_be_shown_is_refused_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(InputError, match=r"path: expected a name that ends in .html, got"):
+    with pytest.raises(sn.InputError, match=r"path: expected a name that ends in .html, got"):
         sn.show(ROBOT, path=tmp_path / "x.png")
-    with pytest.raises(InputError, match=r"things\[1\]: expected a robot"):
+    with pytest.raises(sn.InputError, match=r"things\[1\]: expected a robot"):
         sn.show(ROBOT, "text", path=tmp_path / "x.html")
-    with pytest.raises(InputError, match="things: expected something to draw"):
+    with pytest.raises(sn.InputError, match="things: expected something to draw"):
         sn.show(path=tmp_path / "x.html")
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(sn.InputError, match="cannot be written"):
         sn.show(ROBOT, path=tmp_path / "missing" / "x.html")
     monkeypatch.setitem(sys.modules, "viser", None)
-    with pytest.raises(InputError, match=r"pip install sinuous\[view\]"):
+    with pytest.raises(sn.InputError, match=r"pip install sinuous\[view\]"):
         sn.show(ROBOT, path=tmp_path / "x.html")
 
 

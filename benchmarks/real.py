@@ -349,9 +349,10 @@ STIFF, STIFF_SECTION = 1e6, 100.0
 """EA of the judge's rod, N: it does not stretch; EI and GJ of what does not bend or twist."""
 
 SHAPES = "shapes under gravity and payload: tapered sections, some stiff or in a plane"
+BENT = "shapes under gravity and payload: five sections, bent much to all sides"
 
-MOVED = 0.4
-"""By how much loads may move the tip of a robot that is drawn, as a share of its length."""
+MOVED = {SHAPES: 40.0, BENT: math.inf}
+"""By how much loads may move the tip of a robot that is drawn, in percent of its length."""
 
 NEAR = 0.5
 """Percent of the length by which the judge's tip may be off."""
@@ -429,36 +430,54 @@ def _rod_tip(robot: sn.Robot, q: Floats) -> Floats:
     return np.asarray(shoot(q[:, 2], stiffness, rests, weights, loads, robot.base, guess)[-1][:3, 3])
 
 
-def against_rods(arcs: int, goal: float, plan: Plan) -> list[Line]:
-    """Shapes of drawn robots: one to five tapered sections, some stiff or in a plane, with two masses."""
-    random = np.random.default_rng(plan.seed)
+def against_rods(robots: str, arcs: int, goal: float, plan: Plan) -> Iterator[Line]:
+    """Shapes of robots that are drawn, see `DRAWN`, and the time that one takes from the body without load."""
+    random, made = np.random.default_rng(plan.seed), DRAWN[robots]
     errors: list[float] = []
     moved: list[float] = []
+    seconds: list[float] = []
     while len(errors) < plan.count(60, 6):
-        count, bend = int(random.integers(1, 6)), ROD.bend
-        sections, plane = [], float(random.random() < 0.7)
-        for k in range(count):
-            bend *= random.uniform(0.6, 1.0)
-            rod = sn.Stiffness(bend, None if random.random() < 0.3 else random.uniform(0.6, 0.9) * bend)
-            stiff = count > 1 and k == count // 2 and random.random() < 0.3
-            own = sn.Segment((0.05, 0.2), max_bend=2.0, stiffness=None if stiff else rod, mass=MASS, arcs=arcs)
-            sections.append(own)
-        masses = [sn.Payload(CARRIED * random.uniform(0.3, 1.5), segment=k) for k in (count, max(1, count - 1))]
-        robot = sn.Robot(sections, gravity=GRAVITY, payload=masses, base=sn.pose((0, 0, 0), direction=(1.0, 0.0, -1.0)))
-        bends = random.uniform(-1.0, 1.0, (count, 2)) * [1.0, plane]
-        q = np.column_stack([bends, random.uniform(0.07, 0.13, count)])
-        shape = robot.shape(q)
-        length = float(q[:, 2].sum())
-        far = np.linalg.norm(shape.tip[:3, 3] - robot.tip(q)[:3, 3]) / length
-        if shape.stable and far < MOVED:
-            moved.append(100.0 * float(far))
+        robot, q = made(random, arcs)
+        shape, length = robot.shape(q), float(q[:, 2].sum())
+        far = 100.0 * np.linalg.norm(shape.tip[:3, 3] - robot.tip(q)[:3, 3]) / length
+        if shape.stable and far < MOVED[robots]:
+            moved.append(float(far))
             errors.append(100.0 * float(np.linalg.norm(_rod_tip(robot, q) - shape.tip[:3, 3])) / length)
-    what, note = f"{arcs} arcs a section: tip of a Cosserat rod off by", f"{len(errors)} robots that loads move by"
-    note += f" {np.median(moved):.0f} % in the median, {max(moved):.0f} % at most"
-    return [
-        Line(SHAPES, f"{what}, median", float(np.median(errors)), "%", note=note),
-        Line(SHAPES, f"{what}, worst", max(errors), "%", Goal(goal)),
-    ]
+            seconds.append(min(_alone(shape) for _ in range(REPEATS)))
+    what, times = f"{arcs} arcs a section: tip of a Cosserat rod off by", Times.of(seconds)
+    note = f"{len(errors)} that loads move by {np.median(moved):.0f} % in the median, {max(moved):.0f} % at most"
+    yield Line(robots, f"{what}, median", float(np.median(errors)), "%", note=note)
+    yield Line(robots, f"{what}, worst", max(errors), "%", Goal(goal))
+    yield Line(robots, f"{arcs} arcs a section: one equilibrium, compiled code alone", times.median, "us", None, times)
+
+
+def tapered(random: np.random.Generator, arcs: int) -> tuple[sn.Robot, Floats]:
+    """One to five tapered sections, some stiff or in a plane, with two masses; and a drive."""
+    count, bend = int(random.integers(1, 6)), ROD.bend
+    sections, plane = [], float(random.random() < 0.7)
+    for k in range(count):
+        bend *= random.uniform(0.6, 1.0)
+        rod = sn.Stiffness(bend, None if random.random() < 0.3 else random.uniform(0.6, 0.9) * bend)
+        stiff = count > 1 and k == count // 2 and random.random() < 0.3
+        own = sn.Segment((0.05, 0.2), max_bend=2.0, stiffness=None if stiff else rod, mass=MASS, arcs=arcs)
+        sections.append(own)
+    masses = [sn.Payload(CARRIED * random.uniform(0.3, 1.5), segment=k) for k in (count, max(1, count - 1))]
+    robot = sn.Robot(sections, gravity=GRAVITY, payload=masses, base=sn.pose((0, 0, 0), direction=(1.0, 0.0, -1.0)))
+    return robot, np.column_stack(
+        [random.uniform(-1.0, 1.0, (count, 2)) * [1.0, plane], random.uniform(0.07, 0.13, count)]
+    )
+
+
+def much_bent(random: np.random.Generator, arcs: int) -> tuple[sn.Robot, Floats]:
+    """Five sections on a base that is turned anyhow, which bend much to all sides; and a drive."""
+    base = sn.pose((0, 0, 0), direction=random.normal(size=3))
+    return loaded_robot(5).changed(arcs=arcs, base=base), np.column_stack(
+        [random.uniform(-1.0, 1.0, (5, 2)), random.uniform(0.08, 0.12, 5)]
+    )
+
+
+DRAWN = {SHAPES: tapered, BENT: much_bent}
+"""How robots and their drives are drawn."""
 
 
 STEPPED = "control steps under gravity and payload, two sections of 8 arcs among 40 spheres"
@@ -501,7 +520,8 @@ SOLVED: dict[str, Part] = {
     for sections, spheres, goal in ((3, 0, 0.5e-3), (5, 0, 0.5e-3), (5, 40, 1e-3))
 } | {
     "load-step": control_steps,
-    **{f"arcs-{arcs}": partial(against_rods, arcs, goal) for arcs, goal in ((2, 1.0), (4, 0.3), (8, 0.1))},
+    **{f"arcs-{arcs}": partial(against_rods, SHAPES, arcs, goal) for arcs, goal in ((2, 1.0), (4, 0.3), (8, 0.1))},
+    **{f"arcs-bent-{arcs}": partial(against_rods, BENT, arcs, goal) for arcs, goal in ((4, 1.2), (8, 0.3), (16, 0.1))},
 }
 
 PARTS: dict[str, Part] = {**CALIBRATED, **LOADED, **SOLVED}

@@ -126,7 +126,7 @@ def test_changes_among_obstacles_end_where_the_way_is_proved() -> None:
 
 def test_changes_from_a_drive_that_cannot_hold_its_load() -> None:
     with pytest.warns(sn.SuspiciousInput, match="hangs like a thread"):
-        solver, target = sn.Solver(arm(payload=sn.Payload(1e4)), time=PATIENCE), sn.Target((0.0, 0.0, 0.2))
+        solver, target = sn.Solver(arm(payload=sn.Payload(1e8)), time=PATIENCE), sn.Target((0.0, 0.0, 0.2))
     found = solver.solve(target, initial=Q, within=Changes(bend=0.5))
     assert not found.solved
     assert found.status is sn.Status.STALLED

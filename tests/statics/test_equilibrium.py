@@ -137,10 +137,25 @@ def test_more_arcs_come_nearer_to_a_cosserat_rod_with_their_square() -> None:
     loads[1] = [*load.force, *load.moment]
     weights = np.tile(0.3 * robot.gravity, (2, 1))
     true = shoot(SHAPE[:, 2], np.array([[1.0, 0.7, 40.0]] * 2), curvatures, weights, loads, np.eye(4))
-    errors = [np.abs(robot.changed(arcs=m).shape(SHAPE, load).poses - true).max() for m in (2, 4, 8, 16)]
+    shapes = [robot.changed(arcs=m).shape(SHAPE, load) for m in (2, 4, 8, 16)]
+    errors = [np.abs(found.poses - true).max() for found in shapes]
     assert errors[-1] < 2e-4
+    for found in shapes[1:]:
+        assert found.error == pytest.approx(np.linalg.norm(found.tip[:3, 3] - true[-1][:3, 3]), rel=0.1)
     for coarse, fine in pairwise(errors[1:]):
         assert 3.4 < coarse / fine < 4.6
+
+
+@pytest.mark.parametrize("arcs", [4, 16])
+@pytest.mark.parametrize("lines", [None, sn.Tendons(3, 0.005, straight=True)])
+def test_heavy_loads_are_found_in_few_steps_however_many_arcs_there_are(lines: sn.Tendons | None, arcs: int) -> None:
+    rod, q = sn.Stiffness(0.01, 0.008), np.array([[0.6, -0.9, 0.1], [-0.8, 0.3, 0.1], [0.2, 0.9, 0.1]])
+    payload = sn.Payload(0.1 if lines is None else 1.0)
+    robot = sn.Robot.uniform(3, 0.1, stiffness=rod, mass=0.05, arcs=arcs, tendons=lines, payload=payload)
+    found = robot.changed(gravity=(0.0, 0.0, -9.81)).shape(q)
+    assert np.linalg.norm(found.tip[:3, 3] - robot.tip(q)[:3, 3]) > 0.4
+    assert found.stable
+    assert found.iterations <= 30
 
 
 def test_tendons_of_given_lengths_have_the_tensions_that_hold_them() -> None:

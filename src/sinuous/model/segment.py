@@ -139,7 +139,8 @@ class Segment(Frozen):
     rest : array_like (2,)
         Bend that it has by itself, where elastic actuators leave it alone, rad.
     arcs : int
-        Of how many arcs it is under load (`Robot.shape`); without a load all of them are alike.
+        Of how many arcs it is under load (`Robot.shape`, whose `error` says what they leave); without a load all of
+        them are alike.
     mass : float
         Per length; its weight is mass x gravity.
     plane : float, optional

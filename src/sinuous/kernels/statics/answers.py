@@ -52,10 +52,10 @@ def answer(
             for j in range(4):
                 space.trial[k, j] = x[k, j] + given[p, k, j]
         beside = Body(beside_arcs[p], beside_loads[p], beside_lines[p])
-        evaluate_state(space.trial, tensions, beside, 1.0, False, space)
+        evaluate_state(space.trial, tensions, beside, 1.0, space)
         _add(beside.lines, tensions, over[p], space, columns[p], pulls[p])
     find_taut(lines, tensions, space)
-    evaluate_state(x, tensions, body, 1.0, False, space)
+    evaluate_state(x, tensions, body, 1.0, space)
     answer_lines(lines, x.shape[0], space)
     for p in range(columns.shape[0]):
         _add(lines, tensions, -over[p], space, columns[p], pulls[p])

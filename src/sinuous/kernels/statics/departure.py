@@ -184,10 +184,10 @@ def depart(own: Departure, way: Way, space: Workspace, accuracy: float, answer: 
     for i in range(1, PARTS):
         if 2 * i != PARTS:
             lay_between(own, way, i / PARTS, own.arcs[2 * N :])
-            evaluate_state(own.x, own.tensions, _body(own), 1.0, False, space)
+            evaluate_state(own.x, own.tensions, _body(own), 1.0, space)
             seen = max(seen, _residual(own, space))
     lay_between(own, way, 0.5, own.arcs[2 * N :])
-    evaluate_state(own.x, own.tensions, _body(own), 1.0, False, space)
+    evaluate_state(own.x, own.tensions, _body(own), 1.0, space)
     seen = max(seen, _residual(own, space))
     left = seen + (_elastic(own) + _pull(own)) / (8.0 * PARTS * PARTS) + _slackening(own, way) + _aside(own)
     least = _least_eigenvalue(own, space, accuracy)
@@ -421,7 +421,7 @@ def _is_stiffer(own: Departure, more: float, space: Workspace) -> bool:
             if stiffness < t.RIGID:
                 space.stages[k, t.HESSIAN + 5 * j] -= more * stiffness
     scratch = space.scratch[space.scratch.shape[0] - 11 :]
-    negative, _, _ = factorise(own.x, space.frames, arcs, own.carried, 1.0, False, space.stages, scratch)
+    negative, _, _ = factorise(own.x, space.frames, arcs, own.carried, 1.0, 0.0, space.stages, scratch)
     return bool(negative == 0)
 
 

@@ -109,7 +109,7 @@ def differentiate(
     """
     body, space = begin(base, arcs, loads, lines, slopes, buffer)
     find_taut(lines, tensions, space)
-    evaluate_state(x, tensions, body, 1.0, False, space)
+    evaluate_state(x, tensions, body, 1.0, space)
     answer_drive(sections, of_lines, q, x, body, space, columns, pulls)
 
 

@@ -105,7 +105,7 @@ def _continue(x: Array, tensions: Array, body: Body, space: Workspace, record: A
 
 def _judge(x: Array, tensions: Array, body: Body, space: Workspace, record: Array) -> None:
     """Fill what is said of an equilibrium that was just examined."""
-    negative, moment, force = evaluate_state(x, tensions, body, 1.0, False, space)
+    negative, moment, force = evaluate_state(x, tensions, body, 1.0, space)
     left, lines = 0.0, body.lines
     for k in range(x.shape[0]):
         for j in range(4):

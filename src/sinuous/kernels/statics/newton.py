@@ -8,20 +8,24 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.buffers import cut
-from sinuous.kernels.maths.vectors import Array, Vec
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, norm
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.assembly import assemble
 from sinuous.kernels.statics.pulls import find_tensions, solve_taut
-from sinuous.kernels.statics.sweeps import factorise, solve
+from sinuous.kernels.statics.sweeps import factorise, move, solve
 
 MOST_ITERATIONS = 60
 """Newton steps from one start."""
 
-LARGEST_TURN = 0.6
-"""Most that a bend or a twist of one arc changes in a step, rad."""
+LARGEST_TURN = 1.5
+"""Most that a step turns any place of the body, rad."""
 
 LARGEST_STRETCH = 0.3
 """Most that an arc changes its length in a step, relative to its length without load."""
+
+FIRST_STIFFER, STIFFER, MOST_STIFFER = 0.1, 3.0, 1e6
+"""By what share of their stiffness all arcs are made stiffer where a step leads up or too far, at first; by how many
+times as much then; and at most."""
 
 CONVERGED = 1e-9
 """Change, rad and relative lengths, that ends it: what is left then is rounding, as steps end quadratically."""
@@ -96,14 +100,16 @@ def find_taut(lines: Array, tensions: Array, space: Workspace) -> None:
 
 
 @shared
-def evaluate_state(
-    x: Array, tensions: Array, body: Body, load_factor: float, descends: bool, space: Workspace
-) -> tuple[int, Vec, Vec]:
+def evaluate_state(x: Array, tensions: Array, body: Body, load_factor: float, space: Workspace) -> tuple[int, Vec, Vec]:
     """Fill everything but the step in this state; see `factorise` for what is returned."""
     assemble(x, body.arcs, body.lines, tensions, load_factor, space.frames, space.stages, space.slopes)
     _measure(body.lines, space)
+    return _factorise(x, body, load_factor, 0.0, space)
+
+
+def _factorise(x: Array, body: Body, load_factor: float, more: float, space: Workspace) -> tuple[int, Vec, Vec]:
     scratch = space.scratch[space.scratch.shape[0] - 11 :]
-    return factorise(x, space.frames, body.arcs, body.loads, load_factor, descends, space.stages, scratch)
+    return factorise(x, space.frames, body.arcs, body.loads, load_factor, more, space.stages, scratch)
 
 
 def _measure(lines: Array, space: Workspace) -> None:
@@ -192,20 +198,20 @@ def find_step(tensions: Array, body: Body, space: Workspace) -> int:
     return holding
 
 
-def _size(arcs: Array, step: Array) -> tuple[float, float]:
+def _size(arcs: Array, space: Workspace) -> tuple[float, float]:
     """Largest change of a step (rad, relative lengths), and the share of it that is not too large."""
-    turn = stretch = 0.0
+    step = space.step
+    turn = stretch = far = 0.0
+    omega, v = ZERO, ZERO
     for k in range(step.shape[0]):
         for j in range(3):
             turn = max(turn, abs(step[k, j]))
         if step[k, t.LENGTH] != 0.0:
             stretch = max(stretch, abs(step[k, t.LENGTH]) / arcs[k, t.REST_LENGTH])
-    step_length = 1.0
-    if turn > LARGEST_TURN:
-        step_length = LARGEST_TURN / turn
-    if stretch > LARGEST_STRETCH:
-        step_length = min(step_length, LARGEST_STRETCH / stretch)
-    return max(turn, stretch), step_length
+        omega, v = move(k, step, omega, v, space.stages)
+        far = max(far, norm(omega))
+    most = max(far / LARGEST_TURN, stretch / LARGEST_STRETCH)
+    return max(turn, stretch), 1.0 / most if most > 1.0 else 1.0
 
 
 def _work(tensions: Array, body: Body, space: Workspace) -> float:
@@ -218,7 +224,7 @@ def _work(tensions: Array, body: Body, space: Workspace) -> float:
         if body.lines[i, t.HELD] > 0.0 and space.small[TAUT, i] > 0.0:
             moved = along(body.lines, i, space.step, space)
             off = space.small[LENGTHS, i] - body.lines[i, t.LINE_VALUE] - body.lines[i, t.COMPLIANCE] * tensions[i]
-            total += moved * ((space.small[TENSIONS, i] - tensions[i]) + off / max(space.matrix[i, i], 1e-300))
+            total += moved * ((space.small[TENSIONS, i] - tensions[i]) + off / max(abs(space.matrix[i, i]), 1e-300))
     return total
 
 
@@ -242,27 +248,32 @@ def descend(
     Unless it `descends`, it is Newton's method as it is, which ends in unstable equilibria as well. Returns whether it
     was reached, and how many steps that took.
     """
-    free = descends
-    for i in range(body.lines.shape[0]):
-        free = free and body.lines[i, t.HELD] == 0.0
-    negative, _, _ = evaluate_state(x, tensions, body, load_factor, free, space)
+    negative, _, _ = evaluate_state(x, tensions, body, load_factor, space)
+    more = 0.0
     for iteration in range(most):
-        if (
-            find_step(tensions, body, space) < negative and descends and not free
-        ):  # not even with what holds it a least energy
-            evaluate_state(x, tensions, body, load_factor, True, space)
-            find_step(tensions, body, space)
-        largest, alpha = _size(body.arcs, space.step)
+        held, more = find_step(tensions, body, space), max(FIRST_STIFFER, more / (STIFFER * STIFFER))
+        largest, alpha = _size(body.arcs, space)
+        while descends and (held < negative or alpha < 1.0) and more < MOST_STIFFER:  # it would lead up, or too far
+            negative, _, _ = _factorise(x, body, load_factor, more, space)
+            held, more = find_step(tensions, body, space), STIFFER * more
+            largest, alpha = _size(body.arcs, space)
         if not largest < HUGE:
             return False, iteration
-        negative = _line_search(x, tensions, body, load_factor, free, alpha, largest < SURE or not descends, space)
-        if largest < CONVERGED or not _sound(x, body.arcs):
+        if largest < CONVERGED:
+            for k in range(x.shape[0]):
+                for j in range(4):
+                    x[k, j] += space.step[k, j]
+            for i in range(body.lines.shape[0]):
+                tensions[i] = space.small[TENSIONS, i]
             return _sound(x, body.arcs), iteration + 1
+        negative = _line_search(x, tensions, body, load_factor, alpha, largest < SURE or not descends, space)
+        if not _sound(x, body.arcs):
+            return False, iteration + 1
     return False, most
 
 
 def _line_search(
-    x: Array, tensions: Array, body: Body, load_factor: float, free: bool, most: float, sure: bool, space: Workspace
+    x: Array, tensions: Array, body: Body, load_factor: float, most: float, sure: bool, space: Workspace
 ) -> int:
     """Go along the step, no farther than `most` of it, and check there; returns how many pivots are negative there."""
     small, alpha, negative = space.small, most, 0
@@ -276,7 +287,7 @@ def _line_search(
                 space.trial[k, j] = x[k, j] + alpha * space.step[k, j]
         for i in range(body.lines.shape[0]):
             tensions[i] = small[TENSION_BEFORE, i] + alpha * small[TENSION_CHANGE, i]
-        negative, _, _ = evaluate_state(space.trial, tensions, body, load_factor, free, space)
+        negative, _, _ = evaluate_state(space.trial, tensions, body, load_factor, space)
         after = _work(tensions, body, space)
         if sure or after <= RETURNED_WORK * abs(work):
             break

@@ -27,26 +27,14 @@ from sinuous.kernels.maths.vectors import (
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.profile import by_bends, by_length, end_profile, even_functions
 
-SHIFT = 1e-9
-"""Least pivot of a step that descends, relative to the stiffness of the arc."""
-
 NEUTRAL = 1e-7
-"""Pivot, relative to the same, that counts as none: a column that has buckled turns about its axis without a force."""
-
-MOST_SHIFTS = 40
+"""Pivot, relative to the stiffness of the arc, that counts as none: a buckled column turns about its axis freely."""
 
 Wrench = tuple[Vec, Vec]
 
 
 def factorise(
-    x: Array,
-    frames: Array,
-    arcs: Array,
-    loads: Array,
-    load_factor: float,
-    descends: bool,
-    stages: Array,
-    scratch: Array,
+    x: Array, frames: Array, arcs: Array, loads: Array, load_factor: float, more: float, stages: Array, scratch: Array
 ) -> tuple[int, Vec, Vec]:
     """Sweep from tip to base: fill residuals and factors of `stages`.
 
@@ -54,8 +42,8 @@ def factorise(
     ----------
     loads : array (k, 10)
         In the order of their arcs; `load_factor` of them acts.
-    descends : bool
-        Whether arcs are made stiffer where the step would lead up.
+    more : float
+        By what share of their stiffness all arcs are made stiffer.
     scratch : array (11, 12)
 
     Returns
@@ -76,7 +64,7 @@ def factorise(
             _stiffen(P, p, f)
             last -= 1
         _pivot(x, frames, k, origin, moment, force, P, arcs, stages, scratch)
-        negative += _invert(arcs, k, descends, stages, scratch)
+        negative += _invert(arcs, k, more, stages, scratch)
         weight = scale(load_factor, get_vec(arcs, k, t.WEIGHT))
         _close(k, weight, P, stages, scratch)
         center = get_vec(stages, k, t.ARC_CENTER)
@@ -184,28 +172,16 @@ def _bend_wrench(x: Array, frames: Array, k: int, origin: Vec, moment: Vec, forc
     scratch[7, 3] = 0.0
 
 
-def _invert(arcs: Array, k: int, descends: bool, stages: Array, scratch: Array) -> int:
-    """Invert the pivot of arc k; where it is not positive and `descends`, stiffer. Returns how many are negative.
-
-    What is rigid has a row and a column of zero in the inverse.
-    """
-    negative = _eliminate(arcs, k, 0.0, SHIFT if descends else -NEUTRAL, stages, scratch)
-    below, more = negative, 1e-3
-    for _ in range(MOST_SHIFTS):
-        if below == 0 or not descends:
-            break
-        below = _eliminate(arcs, k, more, SHIFT, stages, scratch)
-        more *= 4.0
-    return negative
-
-
 def stiffness_of(arcs: Array, k: int, i: int) -> float:
     """Stiffness of one coordinate of an arc, infinite for a rigid one."""
     return float(arcs[k, max(0, i - 1)])
 
 
-def _eliminate(arcs: Array, k: int, more: float, least: float, stages: Array, scratch: Array) -> int:
-    """Fill the inverse of the pivot with `more` of the stiffness on top; return how many are below the `least`."""
+def _invert(arcs: Array, k: int, more: float, stages: Array, scratch: Array) -> int:
+    """Invert the pivot of arc k, with `more` of its stiffness on top; return how many are negative.
+
+    What is rigid has a row and a column of zero in the inverse.
+    """
     A = scratch[:4, :4]
     inverse = scratch[4:8]
     for i in range(4):
@@ -219,7 +195,7 @@ def _eliminate(arcs: Array, k: int, more: float, least: float, stages: Array, sc
     for i in range(4):
         rigid = stiffness_of(arcs, k, i) >= t.RIGID
         pivot = inverse[i, i]
-        low += int(not rigid and pivot <= least * stiffness_of(arcs, k, i))
+        low += int(not rigid and pivot <= -NEUTRAL * stiffness_of(arcs, k, i))
         over = 1.0 / pivot if pivot != 0.0 else 0.0
         for j in range(8):
             inverse[i, j] *= over

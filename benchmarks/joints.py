@@ -24,7 +24,7 @@ from benchmarks.judges.kinematics import arc_ends, arc_poses, link_poses, moving
 from benchmarks.judges.motions import wrong_at
 from benchmarks.mbm import panda
 from benchmarks.motion.leader import Led, lines_of
-from sinuous.base.checks import Floats
+from benchmarks.wild.robots import draw_jointed
 from sinuous.model.joints import Joint, Prismatic, Revolute
 
 TOLERANCE = sn.Tolerance(1e-6, 1e-6)
@@ -92,25 +92,12 @@ FAMILIES = (
 )
 
 
-def draw(robot: sn.Robot, rng: np.random.Generator) -> Floats:
-    """Return a configuration (n, 3) within all limits."""
-    q = np.zeros((len(robot), 3))
-    for k, row in enumerate(robot.rows):
-        q[k, 2] = rng.uniform(*row.length)
-        if not row.rigid:
-            bend, angle = row.max_bend * math.sqrt(rng.uniform()), rng.uniform(0.0, 2.0 * math.pi)
-            q[k, :2] = bend * math.cos(angle), bend * math.sin(angle)
-        elif row.plane is not None:
-            q[k, 0] = rng.uniform(*np.broadcast_to(row.own_max_bend, 2))
-    return q
-
-
 def measure(plan: Plan, family: Family) -> Iterator[Line]:
     """Solve poses of a family."""
     robot, rng, count = family.robot(), np.random.default_rng(plan.seed), plan.count(1000, 2)
     seconds, wrong, asked = list[float](), list[str](), 0
     while asked < count:
-        q = draw(robot, rng)
+        q = draw_jointed(robot, 1, 1.0, rng)[0]
         scene = sn.Scene()
         if family.spheres:
             centers = np.array((0.0, 0.0, 0.4)) + rng.uniform(-0.9, 0.9, (family.spheres, 3))

@@ -1,8 +1,8 @@
 """How far is the body from everything? Distances that are independent of the kernels, at very many places.
 
 Meshes are asked of libigl (a tree of boxes for the distance, winding numbers for the side: whoever is inside a solid
-overlaps it, though the body may touch no triangle), clouds and occupied cells of SciPy's k-d tree, exact shapes of
-plain NumPy, kind by kind.
+overlaps it, though the body may touch no triangle), clouds of SciPy's k-d tree, exact shapes of plain NumPy, kind by
+kind.
 """
 
 import math
@@ -205,30 +205,6 @@ def _cloud(obstacle: sn.PointCloud) -> Distance:
         (cKDTree(obstacle.points[obstacle.radii == radius]), float(radius)) for radius in np.unique(obstacle.radii)
     ]
     return lambda points: np.min([np.asarray(tree.query(points)[0]) - radius for tree, radius in groups], axis=0)
-
-
-@distance_of.register
-def _grid(obstacle: sn.Grid) -> Distance:
-    """Distance to occupied cubes: of those whose middle is near enough to be the nearest, exactly."""
-    if not obstacle.occupancy:
-        raise NotImplementedError("the judge does not know sampled distances")
-    half = 0.5 * obstacle.spacing
-    middles = obstacle.origin + obstacle.spacing * np.argwhere(obstacle.values)
-    tree = cKDTree(middles)
-
-    def distance(points: Floats) -> Floats:
-        reach = tree.query(points)[0] + (math.sqrt(3.0) - 1.0) * half * (1.0 + 1e-9)
-        near = tree.query_ball_point(points, reach)
-        return np.array([_cubes(point - middles[cubes], half) for point, cubes in zip(points, near, strict=True)])
-
-    return distance
-
-
-def _cubes(offsets: Floats, half: float) -> float:
-    """Least distance to cubes about the origin of every one of `offsets` (k, 3)."""
-    beyond = np.abs(offsets) - half
-    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
-    return float(np.where(outside > 0.0, outside, beyond.max(axis=1)).min())
 
 
 @distance_of.register

@@ -23,11 +23,12 @@ from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.lines import Line
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.kinematics import body_points, segment_ends
 from benchmarks.judges.motions import samples, wrong_in
 from benchmarks.judges.self_collision import look
+from benchmarks.motion.p5 import Trial, counted
 from benchmarks.places.cells import WALL as WALLS
 from benchmarks.places.cells import Cell, cell_around, common_wall, in_frame
 from benchmarks.places.parts.robots import longest, robot_of
@@ -356,14 +357,6 @@ class Hidden(NamedTuple):
     knots: Floats
 
 
-class Trial(NamedTuple):
-    """What came of a plan: seconds of CPU time, how it ended, and what a judge found."""
-
-    seconds: float
-    status: str
-    wrong: str
-
-
 _ANY: dict[str, Around] = {
     "40 balls": partial(balls, count=40),
     "100 balls": partial(balls, count=100),
@@ -417,22 +410,13 @@ def examine(place: tuple[str, int]) -> Trial:
     motion = sn.plan(hidden.robot, hidden.knots[0], hidden.knots[-1], hidden.scene, time=ON_CLOCK * SECONDS)
     spent = thread_time() - began
     wrong = wrong_in(hidden.robot, hidden.scene, motion.q) if motion.solved else ""
-    return Trial(spent, str(motion.status), wrong)
+    return Trial(place[1], spent, str(motion.status), wrong)
 
 
 def measure(plan: Plan, family: str) -> Iterator[Line]:
     """Plan into places of one family."""
     places = [(family, 1000 * plan.seed + STRIDE * i) for i in range(plan.count(COUNT, QUICK))]
-    yield from lines_of(family, list(in_processes(examine, places, alone=plan.quick)))
-
-
-def lines_of(family: str, trials: Sequence[Trial]) -> Iterator[Line]:
-    """Sum up plans: those count that are called proved, in time, and to which no judge objects."""
-    good = sum(trial.status == "solved" and trial.seconds <= SECONDS and not trial.wrong for trial in trials)
-    times = Times.of([trial.seconds for trial in trials])
-    goal = Goal(99.0, at_most=False)
-    yield Line(PLANNED, family, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)))
-    yield Line(FALSE, family, sum(bool(trial.wrong) for trial in trials), "", Goal(0.0, correctness=True))
+    yield from counted(PLANNED, FALSE, family, list(in_processes(examine, places, alone=plan.quick)), SECONDS, 99.0)
 
 
 PARTS = {f"known {family}": partial(measure, family=family) for family in FAMILIES}

@@ -16,6 +16,7 @@ from scipy.optimize import minimize
 import sinuous as sn
 from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line
+from benchmarks.judges.kinematics import arc_ends, arc_poses
 from sinuous.base.checks import Floats
 
 SEGMENTS, LENGTH, ARM, ARCS = 2, 0.1, 0.004, 3
@@ -89,26 +90,14 @@ def _height(robot: sn.Robot, bends: Floats, lengths: Floats) -> Floats:
     nodes, shares = 0.5 * (1.0 + NODES), 0.5 * SHARES
     for k, length in enumerate(lengths.tolist()):
         for bend in bends[:, k].swapaxes(0, 1):
-            within = _end(nodes[:, None, None] * bend, nodes[:, None] * length)
-            places = place + np.einsum("rij,erj->eri", rotation, within)
-            total -= MASS * length * (shares @ (places @ GRAVITY))
-            place = place + np.einsum("rij,rj->ri", rotation, _end(bend, np.full(count, length)))
-            rotation = rotation @ _turn(bend)
+            parts = nodes * bend[..., None]
+            within = arc_ends(parts[:, 0], parts[:, 1], nodes * length)
+            places = place[:, None] + within @ rotation.swapaxes(1, 2)
+            total -= MASS * length * (places @ GRAVITY @ shares)
+            ends = arc_poses(bend[:, 0], bend[:, 1], np.full(count, length))
+            place = place + np.einsum("rij,rj->ri", rotation, ends[:, :3, 3])
+            rotation = rotation @ ends[:, :3, :3]
     return total
-
-
-def _end(bend: Floats, length: Floats) -> Floats:
-    angle = np.hypot(bend[..., 0], bend[..., 1])
-    aside = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2 * length
-    return np.stack([aside * bend[..., 0], aside * bend[..., 1], length * np.sinc(angle / np.pi)], axis=-1)
-
-
-def _turn(bend: Floats) -> Floats:
-    angle, across = np.hypot(bend[..., 0], bend[..., 1])[:, None, None], np.zeros((len(bend), 3, 3))
-    across[:, :2, 2], across[:, 2, :2] = bend, -bend
-    return np.asarray(
-        np.eye(3) + np.sinc(angle / np.pi) * across + 0.5 * np.sinc(0.5 * angle / np.pi) ** 2 * across @ across
-    )
 
 
 def is_false(robot: sn.Robot, q: Floats, displacements: Floats | None = None) -> bool:

@@ -8,16 +8,16 @@ share nothing with the kernels. Where no motion is found, nobody knows whether t
 from collections.abc import Callable, Iterator
 from functools import partial
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
 import sinuous as sn
 from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.lines import Line
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import GRACE, Clearances
 from benchmarks.judges.motions import too_fast, wrong_at
+from benchmarks.motion.p5 import Trial, counted
 from sinuous.base.checks import Floats
 from sinuous.motion.plan import PlanArguments
 
@@ -31,14 +31,6 @@ LOOKS = 200
 SECTION = "4 segments among 8 obstacles that move and 8 that do not"
 
 
-class Trial(NamedTuple):
-    """Whether a motion was called solved, what is wrong with it (nothing: ""), and the seconds of the call."""
-
-    solved: bool
-    wrong: str
-    seconds: float
-
-
 def measure(plan: Plan) -> Iterator[Line]:
     """Plan and track in random places."""
     count, rates = plan.count(PLACES, 2), sn.Rates(BEND, LENGTH)
@@ -49,13 +41,8 @@ def measure(plan: Plan) -> Iterator[Line]:
     }
     for what, ask in asked.items():
         trials = [ask(1000 * plan.seed + i) for i in range(count)]
-        times = Times.of([trial.seconds for trial in trials])
-        right = sum(trial.solved and not trial.wrong for trial in trials)
-        yield Line(f"{SECTION}: {what}", "motions", right / count, "share", None, solved=(right, count))
-        yield Line(f"{SECTION}: {what}", "median", times.median, "us", None, times)
-        wrong = [f"{i}: {trial.wrong}" for i, trial in enumerate(trials) if trial.wrong]
         found = f"{SECTION}: {what}: proved motions in which a judge finds a contact, a limit or a rate violated"
-        yield Line(found, "motions", len(wrong), "", Goal(0, correctness=True), note=", ".join(wrong[:4]))
+        yield from counted(f"{SECTION}: {what}", found, "motions", trials, np.inf)
 
 
 def draw(seed: int) -> tuple[sn.Robot, sn.Scene, Floats, Floats]:
@@ -79,7 +66,7 @@ def planned(seed: int, timing: PlanArguments) -> Trial:
     wrong = judged(motion) if motion.solved else ""
     if motion.solved and "rates" in timing and too_fast(np.diff(motion.q, axis=0), np.diff(motion.times), BEND, LENGTH):
         wrong = "rates"
-    return Trial(motion.solved, wrong, seconds)
+    return Trial(seed, seconds, str(motion.status), wrong)
 
 
 def tracked(seed: int) -> Trial:
@@ -90,7 +77,8 @@ def tracked(seed: int) -> Trial:
     began = perf_counter()
     times = DURATION * np.arange(1, 7) / 6.0
     motion = sn.track(robot, path, scene, start=start, times=times, time=SECONDS, reconfigure="allow")
-    return Trial(motion.solved, judged(motion) if motion.solved else "", perf_counter() - began)
+    seconds = perf_counter() - began
+    return Trial(seed, seconds, str(motion.status), judged(motion) if motion.solved else "")
 
 
 def judged(motion: sn.Motion) -> str:

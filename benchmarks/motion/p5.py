@@ -6,11 +6,12 @@ are clear, with tips at least a tenth of the length apart. The body has a radius
 itself. Planners of OMPL (Sucan, Moll & Kavraki 2012) plan some pairs, over the same proofs of states and motions.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from importlib.util import find_spec
 from statistics import median
 from time import perf_counter
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,13 +121,17 @@ class Task(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """What came of it: the time of the call, status, what a judge found wrong (nothing: ""), and of others."""
+    """What came of a plan: number, seconds of the call, status, what a judge found wrong (or ""), and of others."""
 
     number: int
     seconds: float
     status: str
     wrong: str
-    others: dict[str, tuple[float, bool]]
+    others: Mapping[str, tuple[float, bool]] = MappingProxyType({})
+
+    def good(self, limit: float) -> bool:
+        """Whether it is called solved within the limit (s), and no judge objects."""
+        return self.status == "solved" and not self.wrong and self.seconds <= limit
 
 
 def draw(segments: int, density: int, number: int, seed: int) -> Pair:
@@ -209,18 +214,13 @@ def measure(plan: Plan, segments: int, density: int, to_target: bool = False) ->
         tasks = [task._replace(shortcuts=10, compared=False) for task in tasks]
         shorter = list(in_processes(examine, tasks, alone=plan.quick))
         yield Line(SHORTENED, what, median(trial.seconds for trial in shorter), "ms")
-        yield _false(what + ", shortened", shorter)
+        yield refuted(FALSE, what + ", shortened", shorter)
 
 
 def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iterator[Line]:
     """Sum up the trials of one kind: so large a share (%) is to be planned within the limit (s)."""
     times = Times.of([trial.seconds for trial in trials])
-    good = [trial.status == "solved" and not trial.wrong and trial.seconds <= limit for trial in trials]
-    missed = ", ".join(f"{trial.number} ({trial.status})" for trial, well in zip(trials, good, strict=True) if not well)
-    note = f"not within {limit:g} s: pairs {missed}" if missed else ""
-    reached = 100.0 * sum(good) / len(good)
-    yield Line(PLANNED, what, reached, "%", Goal(share, at_most=False), times, (sum(good), len(good)), note)
-    yield _false(what, trials)
+    yield from counted(PLANNED, FALSE, what, trials, limit, share)
     yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None)
     for name in OTHER_PLANNERS:
         others = [trial.others[name] for trial in trials if name in trial.others]
@@ -231,10 +231,21 @@ def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iter
             yield Line(OTHERS, told, 100.0 * found / len(others), "%", None, spent, (found, len(others)), cut)
 
 
-def _false(what: str, trials: list[Trial]) -> Line:
-    wrong = ", ".join(f"{trial.number} ({trial.wrong})" for trial in trials if trial.wrong)
-    count = sum(bool(trial.wrong) for trial in trials)
-    return Line(FALSE, what, count, "", Goal(0, correctness=True), note=f"wrong: {wrong}" if wrong else "")
+def counted(
+    planned: str, false: str, what: str, trials: Sequence[Trial], limit: float, share: float | None = None
+) -> Iterator[Line]:
+    """Count what is planned within the limit (s), of which a share (%) may be wanted, and what a judge refutes."""
+    missed = ", ".join(f"{trial.number} ({trial.status})" for trial in trials if not trial.good(limit))
+    good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
+    times, note = Times.of([trial.seconds for trial in trials]), f"not within {limit:g} s: {missed}" if missed else ""
+    yield Line(planned, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
+    yield refuted(false, what, trials)
+
+
+def refuted(false: str, what: str, trials: Sequence[Trial]) -> Line:
+    """Count what a judge refutes."""
+    wrong = [f"{trial.number} ({trial.wrong})" for trial in trials if trial.wrong]
+    return Line(false, what, len(wrong), "", Goal(0, correctness=True), note=", ".join(wrong))
 
 
 PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {

@@ -1,14 +1,17 @@
 """All families of places, what each is, and for which robots it is drawn."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+
+from numpy.random import Generator
 
 from benchmarks.places import bases, cells, media, polyhedra, tubes
 from benchmarks.places.around import drum, duct, pipe, plates, shelf, spheres
 from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
 from benchmarks.places.scans import meshed, scan
+from sinuous.model.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -131,26 +134,25 @@ _SMALL: dict[str, tuple[Draw, str]] = {
 }
 
 
-def _traps() -> dict[str, tuple[Draw, str]]:
-    """Traps as they are drawn, as meshes, and as scans, each for its robots."""
-    as_drawn: dict[str, tuple[Draw, str]] = {}
-    as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _TRAPS.items()}
-    as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _CROWDS.items()}
-    as_drawn |= {name: (partial(trapped, trap, long_robot), words) for name, (trap, words) in _LONG.items()}
-    as_drawn |= {name: (partial(trapped, trap, thin_robot), words) for name, (trap, words) in _THIN.items()}
-    to_scan = {name: partial(trapped, _TRAPS[name][0], stout_robot) for name in SCANNED_TRAPS}
-    to_scan |= {name: partial(trapped, trap, partial(long_robot, stout=True)) for name, (trap, _) in _LONG.items()}
-    meshes = {f"{name} mesh": (partial(meshed, as_drawn[name][0]), f"a mesh of {name}") for name in MESHED}
-    scans: dict[str, tuple[Draw, str]] = {
-        f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, draw in to_scan.items()
-    }
-    judging = {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _JUDGING.items()}
-    return as_drawn | meshes | scans | _SMALL | judging | _STAGED | _CARRIED
+def _for(
+    robots: Callable[[int, Generator], Robot], traps: Mapping[str, tuple[Trap, str]]
+) -> dict[str, tuple[Draw, str]]:
+    """Traps as they are drawn for these robots."""
+    return {name: (partial(trapped, trap, robots), words) for name, (trap, words) in traps.items()}
+
+
+def _scans(drawn: Mapping[str, tuple[Draw, str]]) -> dict[str, tuple[Draw, str]]:
+    return {f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, (draw, _) in drawn.items()}
 
 
 def _families() -> dict[str, Family]:
-    scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
-    traps = _traps()
+    """Places as they are drawn, as meshes, and as scans, each for its robots."""
+    drawn = _DRAWN | _scans({name: _DRAWN[name] for name in SCANNED})
+    traps = _for(various_robot, _TRAPS | _CROWDS) | _for(long_robot, _LONG) | _for(thin_robot, _THIN)
+    traps |= {f"{name} mesh": (partial(meshed, traps[name][0]), f"a mesh of {name}") for name in MESHED}
+    traps |= _scans(_for(stout_robot, {name: _TRAPS[name] for name in SCANNED_TRAPS}))
+    traps |= _scans(_for(partial(long_robot, stout=True), _LONG))
+    traps |= _SMALL | _for(various_robot, _JUDGING) | _STAGED | _CARRIED
     families = {
         # The name is part of what the draws begin with.
         name: Family(
@@ -160,11 +162,9 @@ def _families() -> dict[str, Family]:
             judging=name in _JUDGING,
             joints=name in _CARRIED,
         )
-        for name, (draw, words) in (_DRAWN | scanned | traps).items()
+        for name, (draw, words) in (drawn | traps).items()
     }
-    for name, (made, words) in _PUBLISHED.items():
-        families[name] = Family(made, words, published=True)
-    return families
+    return families | {name: Family(made, words, published=True) for name, (made, words) in _PUBLISHED.items()}
 
 
 FAMILIES = _families()

@@ -174,12 +174,16 @@ def _capsule(unit: float, rng: Generator) -> tuple[Floats, Floats, float]:
     return start, start + unit * rng.uniform(0.0, 0.8) * in_ball(rng), unit * 10.0 ** rng.uniform(-2.5, -0.8)
 
 
-def jointed_shapes(robot: sn.Robot, count: int, clear: float, rng: Generator) -> Floats:
-    """Draw up to `count` configurations (m, rows, 3) of an arm with joints that are so far from themselves."""
+def draw_jointed(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
+    """Draw configurations (m, rows, 3) of an arm with joints, whose segments use `most` of the bends they may have."""
     low, high = np.array([joint.limits for joint in moving(robot.joints)]).T
     arm = arm_of(robot)
-    values = low + (high - low) * rng.random((4 * count, len(low)))
-    q = np.zeros((4 * count, 0, 3)) if arm is None else draw_shapes(arm, 4 * count, rng.uniform(0.3, 1.0), rng)
-    drawn = robot.with_joints(q, values)
+    values = low + (high - low) * rng.random((count, len(low)))
+    return robot.with_joints(np.zeros((count, 0, 3)) if arm is None else draw_shapes(arm, count, most, rng), values)
+
+
+def jointed_shapes(robot: sn.Robot, count: int, clear: float, rng: Generator) -> Floats:
+    """Draw up to `count` configurations (m, rows, 3) of an arm with joints that are so far from themselves."""
+    drawn = draw_jointed(robot, 4 * count, rng.uniform(0.3, 1.0), rng)
     drawn = drawn[look(robot, drawn, 0.0).least > 0.0][:count]
     return np.asarray(drawn[look(robot, drawn, clear).least > clear])

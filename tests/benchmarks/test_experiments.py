@@ -14,7 +14,7 @@ from benchmarks.clutter import Trial, examine
 from benchmarks.harness.conduct import conduct
 from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Line
-from benchmarks.motion import known, loops, moving, p5
+from benchmarks.motion import loops, moving, p5
 from benchmarks.problems import among_spheres, arm, paper_poses
 from benchmarks.speed import endurance, solves
 from benchmarks.speed.solves import solve_all
@@ -158,11 +158,12 @@ def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_wrong_and_late_plans_count_as_such() -> None:
-    right = p5.Trial(0, 1e-4, "solved", "", {})
+    right = p5.Trial(0, 1e-4, "solved", "")
     made = [right, right._replace(wrong="overlap"), right._replace(seconds=0.2), right._replace(status="time_limit")]
     lines = {line.section: line for line in p5.lines_of("here", made, 0.1, 99.5)}
     assert (lines[p5.PLANNED].reached, lines[p5.FALSE].reached, lines[p5.FALSE].held) == (25.0, 1, False)
-    planned, false = known.lines_of("x", [known.Trial(1.0, "solved", ""), known.Trial(6.0, "solved", "overlap")])
+    late = [p5.Trial(0, 1.0, "solved", ""), p5.Trial(1, 6.0, "solved", "overlap")]
+    planned, false = p5.counted("planned", "false", "x", late, 5.0)
     assert (planned.reached, false.reached) == (50.0, 1)
 
 
@@ -183,8 +184,7 @@ def test_loops_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_motions_among_what_moves_are_judged() -> None:
     trial = moving.planned(2, {"rates": sn.Rates(moving.BEND, moving.LENGTH)})
-    assert trial.solved
-    assert trial.wrong == ""
+    assert trial.good(np.inf)
     robot, straight = sn.Robot.uniform(2, (0.8, 1.2), radius=0.05), np.tile([0.0, 0.0, 1.0], (3, 2, 1))
 
     def coming(near: float) -> sn.Moving:

@@ -28,21 +28,18 @@ def beside(gap: float) -> list[Obstacle]:
     """Obstacles of all rich kinds, each `gap` away from the body of `ARM` when it is straight."""
     x = 0.1 + gap
     wall = np.array([[x, -1, 0.5], [x, 1, 0.5], [x, 0, 2.5]], float)
-    cells = np.zeros((3, 3, 3), bool)
-    cells[0, 1, 1] = True
     return [
         box_mesh((x, -1, 1), (x + 1, 1, 2)),
         box_mesh((-1, -1, -1), (x, 1, 4), inside=True),
         sn.Mesh(wall + np.array([0.05, 0, 0]), [[0, 1, 2]], thickness=0.1),
         sn.PointCloud([[x + 0.3, 0, 1.5], [5, 5, 5]], 0.3),
         sn.PointCloud([[x + 0.3, 0, 1.5], [x + 0.9, 0, 1.5]], [0.3, 0.5]),
-        sn.Grid(cells, (x + 0.2, -0.4, 1.1), 0.4),
         sn.Field(lambda p: p[:, 0] - x if gap > 1 else x - p[:, 0], (-1, -1, -1), (2, 2, 4), 0.5),
         sn.Sphere((x + 0.5, 0, 1.5), 0.5),
     ]
 
 
-@pytest.mark.parametrize("which", range(8))
+@pytest.mark.parametrize("which", range(7))
 def test_clearances_are_exact_either_side(which: int) -> None:
     for gap in (-0.01, -1e-6, 1e-6, 0.04):
         (least,) = least_clearance(ARM, sn.Scene([beside(gap)[which]]), STRAIGHT)

@@ -11,20 +11,21 @@ from typing import NamedTuple
 
 from benchmarks.harness.experiment import Divided, Experiment, Plan
 from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right as judged_right
 from sinuous.solver.options import read_without
 from sinuous.solver.solver import Solver
 
-COUNT, QUICK, TOGETHER = 60, 2, 5
-"""Places of a family: three times all robots; in a quick run; and of one share, which an interrupt costs a process."""
+COUNT, QUICK, TOGETHER = 60, 2, 20
+"""Places of a family: three times all robots; in a quick run; and of one share, which an interrupt costs."""
 
 PUBLISHED, PUBLISHED_QUICK, PUBLISHED_TOGETHER = 400, 8, 50
 """The same of a published protocol: a hundred in each of its four scenes."""
 
 SMALL = "small world"
-WORLDS, WORLDS_QUICK, WORLDS_TOGETHER = 100_000, 200, 100
+WORLDS, WORLDS_QUICK, WORLDS_TOGETHER = 100_000, 200, 1000
 """The same of small worlds, made to find false claims that are rare."""
 
 SOLVED = "solved and proved within 1 s, and found right by the judges"
@@ -35,6 +36,9 @@ WORST = "worst time"
 
 NARROW = 10e-3
 """Goal of the median where a pipe is 1.3 times as wide as the body, seconds."""
+
+CHUNK = 5
+"""Places that a process gets at a time."""
 
 LIMIT = 1.0
 """Seconds after which an answer comes too late."""
@@ -62,14 +66,14 @@ def clutter(plan: Plan, without: Sequence[str] = ()) -> Experiment:
         sizes = (PUBLISHED, PUBLISHED_QUICK) if own.published else (COUNT, QUICK)
         first = 1000 * plan.seed
         seeds = range(first, first + plan.count(*sizes))
-        parts[family] = divided(family, seeds, PUBLISHED_TOGETHER if own.published else TOGETHER, off)
+        parts[family] = divided(plan, family, seeds, PUBLISHED_TOGETHER if own.published else TOGETHER, off)
     protocol = (
         f"place i of a family is benchmarks.places.make(family, 1000 * seed + i), i below {COUNT} ({PUBLISHED} for p3 "
         "and p4); constants may be tuned on even numbers below 1000 only, and on no place of a judging kind, so every "
         f"seed but 0 judges; {COUNTED}"
     )
     settings = {"without": ",".join(off)} if off else {}
-    return Experiment("clutter", plan, parts, protocol, settings, abreast=True)
+    return Experiment("clutter", plan, parts, protocol, settings)
 
 
 def worlds(plan: Plan) -> Experiment:
@@ -77,12 +81,14 @@ def worlds(plan: Plan) -> Experiment:
     first = WORLDS * plan.seed
     seeds = range(first, first + plan.count(WORLDS, WORLDS_QUICK))
     protocol = f"world i is benchmarks.places.make({SMALL!r}, {WORLDS} * seed + i); {COUNTED}"
-    return Experiment("worlds", plan, {SMALL: divided(SMALL, seeds, WORLDS_TOGETHER)}, protocol, abreast=True)
+    return Experiment("worlds", plan, {SMALL: divided(plan, SMALL, seeds, WORLDS_TOGETHER)}, protocol)
 
 
-def divided(family: str, seeds: range, together: int, without: tuple[str, ...] = ()) -> Divided:
+def divided(plan: Plan, family: str, seeds: range, together: int, without: tuple[str, ...] = ()) -> Divided:
     """Return places of one family, some at a time, and what sums them up."""
-    shares = [partial(tried, family, seeds[i : i + together], without) for i in range(0, len(seeds), together)]
+    shares = [
+        partial(tried, plan.quick, family, seeds[i : i + together], without) for i in range(0, len(seeds), together)
+    ]
     return Divided(shares, partial(lines_of, family))
 
 
@@ -119,9 +125,9 @@ class Trial(NamedTuple):
         return (self.claimed and not self.right) or self.status in IMPOSSIBLE
 
 
-def tried(family: str, seeds: range, without: tuple[str, ...]) -> list[Trial]:
-    """Try some places."""
-    return [examine(family, seed, without) for seed in seeds]
+def tried(alone: bool, family: str, seeds: range, without: tuple[str, ...]) -> list[Trial]:
+    """Try some places, each in a process that has a core of its own, or (`alone`) in this one."""
+    return list(in_processes(partial(examine, family, without=without), seeds, alone, CHUNK))
 
 
 def examine(family: str, seed: int, without: tuple[str, ...] = ()) -> Trial:

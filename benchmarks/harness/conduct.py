@@ -126,8 +126,8 @@ def conduct(experiment: Experiment, folder: Path | None = None, record: Path | N
     try:
         if not lacking:
             _say("all of this was measured before; another --out measures it again")
-        for name, measured in _tracked(experiment, lacking):
-            journal.add(name, measured)
+        for name, measure in _tracked(experiment.name, lacking):
+            journal.add(name, measure())
         interrupted = False
     except KeyboardInterrupt:
         done = sum(name in journal.pieces for name, _ in work)
@@ -144,16 +144,16 @@ def conduct(experiment: Experiment, folder: Path | None = None, record: Path | N
     return INTERRUPTED if interrupted else int(any(line.correctness and not line.held for line in lines))
 
 
-def _tracked(experiment: Experiment, pieces: Sequence[Piece]) -> Iterator[tuple[str, Measured]]:
-    """Do pieces; in a terminal with a bar, drawn between two: a thread of its own would disturb what is timed."""
+def _tracked(what: str, pieces: Sequence[Piece]) -> Iterator[Piece]:
+    """Go through pieces; in a terminal with a bar, drawn between two: a thread would disturb what is timed."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield from experiment.done(pieces)
+        yield from pieces
         return
     with Progress(console=console, auto_refresh=False, transient=True) as progress:
-        task = progress.add_task(experiment.name, total=len(pieces))
-        for each in experiment.done(pieces):
-            yield each
+        task = progress.add_task(what, total=len(pieces))
+        for piece in pieces:
+            yield piece
             progress.update(task, advance=1, refresh=True)
 
 

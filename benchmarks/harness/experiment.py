@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.harness import parallel
 from benchmarks.harness.lines import Line
 from benchmarks.harness.machine import busy
 from sinuous.base.errors import InputError
@@ -88,9 +87,6 @@ class Experiment:
         What is counted, and how it is timed, in a sentence for the head of the report.
     settings : mapping
         Plain values, all that the figures depend on besides machine, code, seed and size.
-    abreast : bool
-        Whether shares are done in as many processes as there are cores, each as soon as one is free: no process waits
-        for the others between two parts, and what is timed has a core of its own. A quick run uses this process alone.
     """
 
     name: str
@@ -98,7 +94,6 @@ class Experiment:
     parts: Mapping[str, Divided]
     protocol: str = ""
     settings: Mapping[str, Any] = field(default_factory=dict)
-    abreast: bool = False
 
     @classmethod
     def of(cls, name: str, plan: Plan, measured: Mapping[str, Part]) -> "Experiment":
@@ -118,13 +113,6 @@ class Experiment:
         for name, part in self.parts.items():
             for piece, share in zip(_names(name, part), part.shares, strict=True):
                 yield piece, partial(_measured, share)
-
-    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Measured]]:
-        """Do pieces, and yield name and result of each as soon as it is done."""
-        if self.abreast and not self.plan.quick:
-            yield from parallel.as_done(pieces)
-        else:
-            yield from ((name, measure()) for name, measure in pieces)
 
     def lines(self, pieces: Mapping[str, Measured]) -> list[Line]:
         """Sum up all parts of which something was measured, from the results of pieces by their names."""

@@ -5,11 +5,11 @@ import multiprocessing
 import os
 import signal
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from multiprocessing.queues import SimpleQueue
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from sinuous.base.errors import SuspiciousInput
 from sinuous.base.system import pool_of
@@ -38,17 +38,6 @@ def in_processes(
     try:
         yield from _pool().map(work, items, chunksize=chunk)
     except (KeyboardInterrupt, GeneratorExit):
-        _stop()
-        raise
-
-
-def as_done(pieces: Sequence[tuple[str, Callable[[], Any]]]) -> Iterator[tuple[str, Any]]:
-    """Yield names and results of calls as soon as each is done, in whatever process is free."""
-    try:
-        names = {_pool().submit(call): name for name, call in pieces}
-        for future in as_completed(names):
-            yield names[future], future.result()
-    except BaseException:
         _stop()
         raise
 

@@ -133,6 +133,7 @@ def test_an_answer_that_touches_is_a_wrong_claim() -> None:
     assert wrong.reached >= len(touching)
 
 
+@pytest.mark.filterwarnings("ignore::sinuous.SuspiciousInput")
 def test_a_solver_that_lies_in_clutter_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solves, "TARGETS", 20)
     assert solves.examine(1)[1:] == ([], [])

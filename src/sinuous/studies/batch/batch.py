@@ -53,7 +53,7 @@ class ChunkSolver:
 
     def __init__(self, solver: Solver, initial: Floats | None = None, warm: bool = False) -> None:
         self._solver, self._initial, self._warm = solver, initial, warm
-        self.layout, self.scene = Layout.of(solver.robot), solver.scene
+        self.layout, self.scene = Layout(solver.robot), solver.scene
 
     def prepare(self) -> "ChunkSolver":
         """Compile, or load, what solving needs."""
@@ -69,7 +69,7 @@ class ChunkSolver:
             return block
         for part, initial in self._parts(goals, block, rows):
             found, own = self._solver._solve_sets(goals[part], initial), rows[part]
-            self.layout.fill(block, slice(None) if len(own) == count else own, found, self._solver.robot)
+            self.layout.fill(block, slice(None) if len(own) == count else own, found)
         return block
 
     def derive(self, raw: Raw, block: Arrays, wrt: tuple[Parameter, ...]) -> "Derivatives":
@@ -77,7 +77,7 @@ class ChunkSolver:
         from sinuous.answer.derivatives.many import Derivatives  # noqa: PLC0415
 
         solver, (rows, goals) = self._solver, valid(raw)
-        answers, derived = self.layout.records(block, solver.robot), []
+        answers, derived = self.layout.records(block), []
         for part, initial in self._parts(goals, block, rows):
             own = rows[part]
             given = read_initial(solver.robot, len(own), initial)
@@ -96,7 +96,7 @@ class ChunkSolver:
         early, late, near = halves(goals)
         yield early, self._initial
         if len(late):
-            yield late, self.layout.configurations(block, self._solver.robot)[rows[early[near]]]
+            yield late, self.layout.configurations(block)[rows[early[near]]]
 
 
 def valid(raw: Raw) -> tuple[NDArray[np.int64], TipGoals]:

@@ -6,7 +6,6 @@ Answers are kept chunk by chunk until they are all there; then they are one tabl
 import time as clock
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -145,15 +144,6 @@ class Results:
         return batch(rows=self._rows, counts=counts, invalid=invalid)
 
     def _blocks(self, *names: str) -> Iterator[Arrays]:
-        """Yield all chunks in order, or these arrays of each; the next one is read meanwhile."""
-        chunks = self._each(*names)
-        with ThreadPoolExecutor(1) as reader:
-            coming = reader.submit(next, chunks, None)
-            while (block := coming.result()) is not None:
-                coming = reader.submit(next, chunks, None)
-                yield block
-
-    def _each(self, *names: str) -> Iterator[Arrays]:
         """Yield all chunks in order, or these arrays of each; rows of a chunk that is missing were skipped."""
         for number in range(self._count):
             if number in self._done:

@@ -7,7 +7,6 @@ any number of workers finds the same.
 The space: fields of the robot file with ranges or lists of values.
 """
 
-import copy
 import itertools
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,7 +20,7 @@ from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.robot import Robot
-from sinuous.studies.tasks.assess import one_segment, with_fields
+from sinuous.studies.tasks.assess import value_of, with_fields
 
 MOST_CHOICES = 10_000
 """Most combinations of values that are listed."""
@@ -118,14 +117,13 @@ class Space:
 
     def shares_of(self, robot: Robot) -> tuple[int, Floats] | None:
         """Where a robot lies: the number of its combination, and the shares (d,); `None` where it is none of these."""
-        own = robot.to_dict()
         shares = []
         for each in self.ranges:
-            value = _value_of(own, each.field)
+            value = value_of(robot, each.field)
             if not isinstance(value, int | float) or not each.low <= value <= each.high:
                 return None
             shares.append(each.share(value))
-        values = tuple(_value_of(own, each.field) for each in self.choices)
+        values = tuple(value_of(robot, each.field) for each in self.choices)
         found = next((i for i, each in enumerate(self.combinations) if list(each) == list(values)), None)
         return None if found is None else (found, np.array(shares))
 
@@ -179,25 +177,6 @@ def _read(field: str, value: Any) -> Range | Choices:
     if not listed:
         raise InputError(key, "is empty", list(listed), "at least one value")
     return Choices(field, listed)
-
-
-def _value_of(values: dict[str, Any], field: str) -> Any:
-    """The value of a field in a robot file; `None` where it is not said."""
-    place: Any = copy.copy(values)
-    first, *rest = field.split(".")
-    one = re.fullmatch(r"segments\[([^\]]+)\]", first)
-    if one is not None:
-        place = one_segment(place, one[1], field)
-    for part in [first, *rest] if one is None else rest:
-        match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", part)
-        if match is None or not isinstance(place, dict) or match[1] not in place:
-            return None
-        place = place[match[1]]
-        if match[2] is not None:
-            if not isinstance(place, list) or int(match[2]) >= len(place):
-                return None
-            place = place[int(match[2])]
-    return place
 
 
 GENERATION_SIZE = 16

@@ -279,20 +279,35 @@ def with_fields(robot: Robot, chosen: Mapping[str, Any], where: str) -> Robot:
         return read_robot(values)
 
 
+def value_of(robot: Robot, field: str) -> Any:
+    """The value of a field in the file of a robot; `None` where it is not said, or segments differ in it."""
+    try:
+        places = _places(robot.to_dict(), field, None)
+    except InputError:
+        return None
+    found = [entry.get(key) if isinstance(entry, dict) else entry[key] for entry, key in places]
+    return found[0] if all(each == found[0] for each in found) else None
+
+
 def _put(values: dict[str, Any], field: str, value: Any) -> None:
     """Set a field; a radius of the robot is that of all segments."""
+    if field == "radius":
+        for entry in _entries(values):
+            entry.pop("radius", None)
+    for entry, key in _places(values, field, value):
+        entry[key] = value
+
+
+def _places(values: dict[str, Any], field: str, value: Any) -> list[tuple[Any, Any]]:
+    """Where a field stands that may be set to a value: mappings or lists, and the key or number in each."""
     first, *rest = field.split(".")
     match = re.fullmatch(r"segments(?:\[([^\]]+)\])?", first)
     if match is None:
-        if field == "radius":
-            for entry in _entries(values):
-                entry.pop("radius", None)
-        _set(values, [first, *rest], value, field)
-        return
+        return [_place(values, [first, *rest], value, field)]
     if not rest:
         raise InputError(f"[{field!r}]", "names no field", field, "segments.KEY")
-    for entry in _entries(values) if match[1] is None else [one_segment(values, match[1], field)]:
-        _set(entry, rest, value, field)
+    entries = _entries(values) if match[1] is None else [_one_segment(values, match[1], field)]
+    return [_place(entry, rest, value, field) for entry in entries]
 
 
 def _entries(values: dict[str, Any]) -> list[dict[str, Any]]:
@@ -300,7 +315,7 @@ def _entries(values: dict[str, Any]) -> list[dict[str, Any]]:
     return [entries] if isinstance(entries, dict) else entries
 
 
-def one_segment(values: dict[str, Any], which: str, field: str) -> dict[str, Any]:
+def _one_segment(values: dict[str, Any], which: str, field: str) -> dict[str, Any]:
     """The mapping of one segment, by its place or its name; segments that were written together are taken apart."""
     apart = [
         copy.deepcopy({key: each for key, each in entry.items() if key != "count"})
@@ -316,8 +331,8 @@ def one_segment(values: dict[str, Any], which: str, field: str) -> dict[str, Any
     return apart[places[which]]
 
 
-def _set(entry: dict[str, Any], path: list[str], value: Any, field: str) -> None:
-    """Set a field, or an element of a list: of a length that is one number, both ends are that.
+def _place(entry: dict[str, Any], path: list[str], value: Any, field: str) -> tuple[Any, Any]:
+    """Find a field, or an element of a list: of a length that is one number, both ends are that.
 
     A robot that stands or carries its tool nowhere special has these places, too.
     """
@@ -331,12 +346,13 @@ def _set(entry: dict[str, Any], path: list[str], value: Any, field: str) -> None
             raise InputError(f"[{field!r}]", f"this robot has no {key}", value, "a field that is there")
         entry = entry[key]
     match = re.fullmatch(r"(\w+)\[(\d+)\]", last)
-    if match is not None:
-        last, i = match[1], int(match[2])
-        listed = entry.get(last, [0.0, 0.0, 0.0] if last == "position" else None)
-        if last == "length" and isinstance(listed, int | float):
-            listed = [listed, listed]
-        if not isinstance(listed, list) or i >= len(listed):
-            raise InputError(f"[{field!r}]", "is no element of it", value, "an element of a list that is there")
-        value = [*listed[:i], value, *listed[i + 1 :]]
-    entry[last] = value
+    if match is None:
+        return entry, last
+    last, i = match[1], int(match[2])
+    listed = entry.get(last, [0.0, 0.0, 0.0] if last == "position" else None)
+    if last == "length" and isinstance(listed, int | float):
+        listed = [listed, listed]
+    if not isinstance(listed, list) or i >= len(listed):
+        raise InputError(f"[{field!r}]", "is no element of it", value, "an element of a list that is there")
+    entry[last] = list(listed)
+    return entry[last], i

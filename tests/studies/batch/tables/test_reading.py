@@ -171,7 +171,7 @@ def test_a_fingerprint_differs_when_a_row_does(tmp_path: Path) -> None:
     assert look(ROWS) == look(ROWS.copy())
 
 
-LAYOUT = Layout.of(ROBOT)
+LAYOUT = Layout(ROBOT)
 
 
 def test_all_kinds_say_the_same(tmp_path: Path) -> None:

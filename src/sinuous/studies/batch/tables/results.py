@@ -43,23 +43,23 @@ class Layout:
 
     Attributes
     ----------
-    segments : tuple of str
-        Names of the segments.
-    actuators, joints : tuple of str
-        Names of the actuators, and of the joints.
+    robot : Robot
     chosen : tuple of str or None
-        Of the columns of a table after `row` and `status`, in this order; None: all.
+        Names of the columns of a table after `row` and `status`, in this order; None: all.
     """
 
-    segments: tuple[str, ...]
-    actuators: tuple[str, ...]
-    joints: tuple[str, ...]
+    robot: Robot
     chosen: tuple[str, ...] | None = None
 
-    @classmethod
-    def of(cls, robot: Robot) -> "Layout":
-        """Return that of a robot."""
-        return cls(robot.segment_names, tuple(actuator.name for actuator in robot.actuators), robot.joint_names)
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return self.robot.joint_names
+
+    @property
+    def actuators(self) -> tuple[str, ...]:
+        """Names of the actuators."""
+        return tuple(actuator.name for actuator in self.robot.actuators)
 
     @property
     def shapes(self) -> dict[str, tuple[np.dtype[Any], tuple[int, ...]]]:
@@ -69,7 +69,7 @@ class Layout:
             "row": (np.dtype(np.int64), ()),
             "status": (np.dtype(np.uint8), ()),
             **({"joints": (real, (len(self.joints),))} if self.joints else {}),
-            "q": (real, (len(self.segments), 3)),
+            "q": (real, (len(self.robot.segments), 3)),
             "actuators": (real, (len(self.actuators),)),
             **dict.fromkeys(ERRORS, (real, ())),
             **dict.fromkeys(EFFORTS, (small, ())),
@@ -95,7 +95,7 @@ class Layout:
     @property
     def _known(self) -> list[str]:
         motors = motor_columns(self.actuators, self.joints)
-        return [*self.joints, *coordinate_names(self.segments), *motors, *ERRORS, *EFFORTS]
+        return [*self.joints, *coordinate_names(self.robot.segment_names), *motors, *ERRORS, *EFFORTS]
 
     def flat(self, block: Arrays) -> Iterator[NDArray[Any]]:
         """Yield the columns of a table, in the order of `names`; statuses are words."""
@@ -116,28 +116,28 @@ class Layout:
         block["status"][:] = CODES[status]
         return block
 
-    def fill(self, block: Arrays, rows: Any, found: Solutions, robot: Robot) -> None:
+    def fill(self, block: Arrays, rows: Any, found: Solutions) -> None:
         """Put what was found into rows of a block, by their numbers or all of them (a slice)."""
         block["status"][rows] = places_of(found._answers)
         block["q"][rows] = found.q
         if self.joints:
             block["joints"][rows] = found.joints
         if self.actuators:
-            block["actuators"][rows] = _actuators(robot, found.configuration)
+            block["actuators"][rows] = _actuators(self.robot, found.configuration)
         for name in (*ERRORS, *EFFORTS):
             block[name][rows] = getattr(found, name)
 
-    def configurations(self, block: Arrays, robot: Robot) -> Floats:
+    def configurations(self, block: Arrays) -> Floats:
         """Configurations (m, rows, 3) of a block, NaN where there is none."""
-        return robot._rigid.with_joints(block["q"], block["joints"]) if self.joints else block["q"]
+        return self.robot._rigid.with_joints(block["q"], block["joints"]) if self.joints else block["q"]
 
-    def records(self, block: Arrays, robot: Robot) -> Floats:
+    def records(self, block: Arrays) -> Floats:
         """What `Solutions` of the rows hold, as far as a table says it: whether, where, how clear of obstacles."""
-        solved, clear = block["status"] == CODES["solved"], block["clearance"] - robot._least_clearances[0]
-        answers = np.zeros((len(solved), RECORD_WIDTH + 3 * len(robot)))
+        solved, clear = block["status"] == CODES["solved"], block["clearance"] - self.robot._least_clearances[0]
+        answers = np.zeros((len(solved), RECORD_WIDTH + 3 * len(self.robot)))
         answers[:, CODE] = np.where(solved, SOLVED, FAILED)
         answers[:, CLEARANCE] = np.where(np.isnan(clear), np.inf, clear)
-        answers[:, RECORD_WIDTH:] = self.configurations(block, robot).reshape(len(solved), -1)
+        answers[:, RECORD_WIDTH:] = self.configurations(block).reshape(len(solved), -1)
         return answers
 
 
@@ -155,7 +155,7 @@ def write_npz(file: Path, blocks: Callable[..., Iterable[Arrays]], layout: Layou
 
     `blocks` is called with the name of each array and yields that array of all blocks: one is written after the other.
     """
-    texts = {"statuses": STATUSES, "segment_names": layout.segments, "actuator_names": layout.actuators}
+    texts = {"statuses": STATUSES, "segment_names": layout.robot.segment_names, "actuator_names": layout.actuators}
     texts |= {"joint_names": layout.joints} if layout.joints else {}
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
         for name, words in texts.items():

@@ -15,7 +15,7 @@ from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
 from sinuous.view.pictures.diagrams import finish_axes
-from sinuous.view.pictures.figures import new_figure, palette_of
+from sinuous.view.pictures.figures import new_figure
 from sinuous.view.pictures.plot import draw_still
 from sinuous.view.pictures.reports import write_picture
 
@@ -43,9 +43,9 @@ def shrink(file: Path, share: float = 1.0) -> None:
         (round(image.width * share), round(image.height * share)),
         Image.Resampling.LANCZOS,
     )
-    image.quantize(palette=palette_of(image, COLOURS), dither=Image.Dither.NONE).save(
-        file, optimize=True
-    )
+    image.quantize(
+        COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+    ).save(file, optimize=True)
 
 
 def shape(name: str, *things: Any) -> None:

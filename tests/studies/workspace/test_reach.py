@@ -147,17 +147,6 @@ def test_the_error_of_all_directions_covers_those_between(count: int) -> None:
     assert given.error < volume.error  # directions that are given stand for no others
 
 
-def test_an_old_file_says_nothing_of_positions_that_it_does_not_prove(found: sn.studies.Reach, tmp_path: Path) -> None:
-    found.save(tmp_path / "map.npz")
-    with np.load(tmp_path / "map.npz") as data:
-        old = {name: data[name] for name in data.files if name not in {"positions", "free_positions", "within"}}
-    np.savez(tmp_path / "old.npz", **(old | {"reach": np.array(2)}))
-    loaded = sn.studies.Reach.load(tmp_path / "old.npz")
-    np.testing.assert_array_equal(loaded.verdicts, found.verdicts)
-    np.testing.assert_array_equal(loaded.reachable, found.share > 0.0)
-    assert loaded.volume().at_most >= found.volume().found
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -1,7 +1,7 @@
 """What a calibration found: the robot as it stands on the table, what is known of it, and what is left of errors."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,7 +13,7 @@ from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
 from sinuous.base.checks import Floats
 from sinuous.base.documents import result_of, result_value
 from sinuous.base.errors import InputError
-from sinuous.base.frozen import ShortRepr, call
+from sinuous.base.frozen import ShortRepr
 from sinuous.model.inverse import fitting
 from sinuous.model.robot import Robot, Uncertainty
 from sinuous.studies.calibration.fit import after_play, errors, lines_with_play
@@ -338,11 +338,9 @@ class Calibration(ShortRepr):
         own = self.measurements.levers > 0.0
         return np.sqrt((np.nan_to_num(residuals[:, own]) ** 2).sum(axis=2)).max(axis=1)
 
-    def __repr__(self) -> str:
+    def _shown(self) -> Iterator[str]:
         own = self.expected
-        return call(
-            "Calibration", [f"{own.rows} rows", f"{len(self.parameters)} parameters", f"mean error {own.mean:.3g}"]
-        )
+        yield from (f"{own.rows} rows", f"{len(self.parameters)} parameters", f"mean error {own.mean:.3g}")
 
 
 def bounds_of(

@@ -141,12 +141,11 @@ def verdicts_of(found: Solutions) -> Codes:
 
 Truths = NDArray[np.bool_]
 
-FORMAT, OLD_FORMAT = 3, 2
-"""Of files of maps; the old one does not know positions alone."""
+FORMAT = 3
+"""Of files of maps."""
 
-PLACES = ("positions", "free_positions")
-
-ARRAYS, NUMBERS = ("directions", "verdicts", "free", "obstacles", "base"), ("farthest", "seconds")
+ARRAYS = ("directions", "verdicts", "free", "positions", "free_positions", "obstacles", "base")
+NUMBERS = ("farthest", "seconds")
 """What a file of a map holds under the name of the attribute."""
 
 
@@ -342,7 +341,7 @@ class Reach(NotebookMixin, Frozen):
         InputError
             When the file cannot be written.
         """
-        own = {name: getattr(self, name) for name in (*ARRAYS, *PLACES, *NUMBERS, "sampled")}
+        own = {name: getattr(self, name) for name in (*ARRAYS, *NUMBERS, "sampled")}
         words = {"names": np.array(self.names, np.str_), "codes": np.array([code.name.lower() for code in Verdict])}
         grid = {"first": self.voxels.first, "spacing": self.voxels.spacing}
         within = np.nan if self.within is None else self.within
@@ -357,15 +356,11 @@ class Reach(NotebookMixin, Frozen):
         InputError
             When it is no such file.
         """
-        with read_archive(file, "reach", (OLD_FORMAT, FORMAT), "a map of a workspace") as data:
+        with read_archive(file, "reach", (FORMAT,), "a map of a workspace") as data:
             own = {name: data[name] for name in ARRAYS} | {name: float(data[name]) for name in NUMBERS}
             own["voxels"] = Voxels(data["first"], float(data["spacing"]), own["verdicts"].shape[:3])
             own["names"] = tuple(map(str, data["names"].tolist()))
-            if int(data["reach"]) == OLD_FORMAT:
-                places = {"positions": _some(own["verdicts"]), "free_positions": _some(own["free"])}
-                return cls(within=None, sampled=own["directions"].shape[0] > 1, **places, **own)
             within = float(data["within"])
-            own |= {name: data[name] for name in PLACES}
             return cls(within=None if np.isnan(within) else within, sampled=bool(data["sampled"]), **own)
 
     def to_dict(self) -> dict[str, Any]:
@@ -428,8 +423,3 @@ class Reach(NotebookMixin, Frozen):
             wanted = f"a point between {self.voxels.first.tolist()} and {last.tolist()}"
             raise InputError("point", "outside the map", place.tolist(), wanted)
         return x, y, z
-
-
-def _some(codes: Codes) -> Codes:
-    """What verdicts (x, y, z, d) of directions say of positions alone: nothing is proved of what is not solved."""
-    return np.where((codes == Verdict.SOLVED).any(axis=-1), Verdict.SOLVED, Verdict.NOT_FOUND).astype(np.uint8)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +12,6 @@ from viser import (
     BatchedMeshHandle,
     CameraHandle,
     InitialCameraConfig,
-    LineSegmentsHandle,
     MeshHandle,
     SceneApi,
     SceneNodeHandle,
@@ -79,7 +77,10 @@ GHOST_RADIUS_SHARE = 0.96
 DOT_SPANS, LINE_SPANS = 0.011, 0.003
 """Radius of the point of a target, and width of a line, in spans of the page."""
 
-SHADOWLESS = {"cast_shadow": False, "receive_shadow": False}
+MARK_SIZE = 1.2
+"""Radius of a mark of a place, in those of the point of a target."""
+
+SHADOWLESS: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
 
 UNITS: dict[type[Obstacle], Callable[[bool], Obstacle]] = {
     Sphere: lambda inside: Sphere((0, 0, 0), 1.0, inside),
@@ -347,7 +348,7 @@ def _scaled(obstacle: Any) -> tuple[Floats, Floats, Floats]:
 
 def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span: float) -> None:
     """Draw a point at `place` (3,), an arrow where a direction is asked, three where a whole rotation is."""
-    scene.add_icosphere(name, DOT_SPANS * span, color=rgb(style.TARGET), position=place, **SHADOWLESS)  # type: ignore[arg-type]
+    show_ball(scene, name, place, style.TARGET, span)
     arrows = list(arrows_of(target))
     if arrows:
         ends = np.array([(np.zeros(3), style.ARROW_SHARE * span * axis) for axis, _ in arrows])
@@ -356,43 +357,26 @@ def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span:
         scene.add_arrows(f"{name}/arrow", ends, shades, shaft_radius=thin, head_radius=wide, head_length=long)
 
 
-class LinesNode:
-    """Lines on a page that may change. Nothing is there before `show`; a width is in shares of `LINE_SPANS`."""
+class ChangingNode:
+    """A node that comes, changes and goes: `add` makes it of a look, which are arguments of viser by name."""
 
-    def __init__(self, scene: SceneApi, name: str, colour: Rgb, width: float) -> None:
-        self._add = partial(scene.add_line_segments, name, colors=colour, thickness=LINE_SPANS * width)
-        self._node: LineSegmentsHandle | None = None
+    def __init__(self, add: Callable[..., Any]) -> None:
+        self._add, self._node = add, None
 
-    def show(self, points: Floats | None) -> None:
-        """Show lines between pairs of points (k, 2, 3), or none."""
-        if points is not None:
-            self._node = self._node or self._add(points.astype(np.float32))
-            update_node(self._node, points=points.astype(np.float32))
+    def show(self, look: dict[str, Any] | None) -> None:
+        """Show it so, or not at all."""
+        if look is not None:
+            self._node = self._node or self._add(**look)
+            update_node(self._node, **look)
         if self._node is not None:
-            self._node.visible = points is not None
+            self._node.visible = look is not None
 
 
-class MarkNode:
-    """A ball on a page that marks a place, or words beside one. Nothing is there before `show`.
-
-    `size` is its radius in shares of `DOT_SPANS`; 0: it has words alone.
-    """
-
-    def __init__(self, scene: SceneApi, name: str, colour: Rgb = (0, 0, 0), size: float = 0.0) -> None:
-        self._ball = partial(scene.add_icosphere, f"{name}/ball", color=colour, **SHADOWLESS)  # type: ignore[arg-type]
-        self._label = partial(scene.add_label, f"{name}/words", anchor="bottom-center", font_screen_scale=0.9)
-        self._size, self.words = size, ""
-        self._node: Any = None
-
-    def show(self, place: Floats | None, span: float, words: str = "") -> None:
-        """Show it at a place (3,) of a page of this span, or not at all."""
-        self.words = "" if place is None else words
-        if place is not None:
-            look: dict[str, Any] = {"radius": self._size * DOT_SPANS * span} if self._size else {"text": words}
-            self._node = self._node or (self._ball if self._size else self._label)(**look)
-            update_node(self._node, position=place, **look)
-        if self._node is not None:
-            self._node.visible = place is not None
+def show_ball(
+    scene: SceneApi, name: str, place: Floats, colour: str, span: float, size: float = 1.0
+) -> SceneNodeHandle:
+    """Draw a ball at a place (3,), `size` times as large as the point of a target."""
+    return scene.add_icosphere(name, size * DOT_SPANS * span, color=rgb(colour), position=place, **SHADOWLESS)
 
 
 def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], colour: str, span: float) -> None:

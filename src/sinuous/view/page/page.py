@@ -71,7 +71,7 @@ Moved = Callable[[Floats, Floats, bool], None]
 
 
 class Scenery:
-    """The scene of the page."""
+    """The scene of the page; `words` stand at the target."""
 
     def __init__(self, server: ViserServer, session: Session) -> None:
         self._server, self._session = server, session
@@ -83,16 +83,27 @@ class Scenery:
         self._obstacles = nodes.Obstacles(server.scene, self.bounds, session.choose_obstacle)
         self._bodies: dict[str, nodes.BodyNode] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
-        self._near = nodes.LinesNode(server.scene, "/near", NEAREST_COLOUR, self.bounds.span)
-        self._forces = nodes.LinesNode(server.scene, "/forces", rgb(FORCE), 2.0 * self.bounds.span)
-        self._missing = nodes.LinesNode(server.scene, "/missing", rgb(CONTACT), 0.6 * self.bounds.span)
-        self._worst = nodes.MarkNode(server.scene, "/worst", rgb(CONTACT), 1.2)
-        self._said = nodes.MarkNode(server.scene, "/said")
+        self._near = self._lines("/near", NEAREST_COLOUR, 1.0)
+        self._forces = self._lines("/forces", rgb(FORCE), 2.0)
+        self._missing = self._lines("/missing", rgb(CONTACT), 0.6)
+        ball = partial(server.scene.add_icosphere, "/worst", color=rgb(CONTACT), **nodes.SHADOWLESS)
+        self._worst = nodes.ChangingNode(ball)
+        self._said = nodes.ChangingNode(
+            partial(server.scene.add_label, "/said", anchor="bottom-center", font_screen_scale=0.9)
+        )
+        self.words = ""
         self._seen: list[Floats] = []
         self._hiding: frozenset[int] = frozenset()
         self.update_hiding()
         if model.job.is_path:
             self._show_path()
+
+    def _lines(self, name: str, colour: Rgb, width: float) -> nodes.ChangingNode:
+        """Lines between pairs of points, so many times as wide as others."""
+        thickness = width * nodes.LINE_SPANS * self.bounds.span
+        return nodes.ChangingNode(
+            partial(self._server.scene.add_line_segments, name, colors=colour, thickness=thickness)
+        )
 
     def fit(self, client: ClientHandle) -> None:
         """Let a browser show all that is on the page, from the side that it looks from."""
@@ -123,29 +134,30 @@ class Scenery:
         with self._server.atomic():
             self._show_bodies()
             forces = forces_of(self._model.robot, self._model.shown)
-            self._forces.show(np.stack(forces) if forces else None)
+            self._forces.show({"points": np.stack(forces)} if forces else None)
             self._obstacles.show(self._model.there.obstacles, self._model.grasped, self._hiding)
             self._axes.visible = self._session.axes
             self._show_gizmos()
-            self._near.show(None if near is None else np.stack([near.body, near.surface])[None])
+            self._near.show(None if near is None else {"points": np.stack([near.body, near.surface])[None]})
 
     def show_why(self) -> None:
         """Mark the place of an answer that is not solved, and say at the target how far away it is, or what to do."""
         model, span = self._model, self.bounds.span
         answer = model.answer if model.motion is None else None
         place = None if answer is None else place_of(answer)
-        self._worst.show(None if place is None else np.array(place.position), span)
+        radius = nodes.MARK_SIZE * nodes.DOT_SPANS * span
+        self._worst.show(None if place is None else {"position": np.array(place.position), "radius": radius})
         missed = None if answer is None else missed_distance(answer)
-        frame = model.target_frame(0) if model.targets else None
-        line = None if missed is None or frame is None or place is None else np.stack([place.position, frame[:3, 3]])
-        self._missing.show(None if line is None else line[None])
-        words = FIRST_WORDS if missed is None else f"{missed:.3g} away"
-        told = frame is not None and (missed is not None or not self._session.dragged)
-        if told and frame is not None:  # above or below, wherever there is more room
-            side = 0.6 if frame[2, 3] < self.bounds.middle[2] else -0.8
-            self._said.show(frame[:3, 3] + (0.0, 0.0, side * GIZMO_SPANS * span), span, words)
-        else:
-            self._said.show(None, span)
+        end = model.target_frame(0)[:3, 3] if model.targets else None
+        line = None if missed is None or end is None or place is None else np.stack([place.position, end])[None]
+        self._missing.show(None if line is None else {"points": line})
+        told = end is not None and (missed is not None or not self._session.dragged)
+        self.words = "" if not told else FIRST_WORDS if missed is None else f"{missed:.3g} away"
+        if end is None or not told:
+            self._said.show(None)
+        else:  # above or below, wherever there is more room
+            side = 0.6 if end[2] < self.bounds.middle[2] else -0.8
+            self._said.show({"position": end + side * GIZMO_SPANS * span * np.eye(3)[2], "text": self.words})
 
     def _show_bodies(self) -> None:
         wanted = list(self._wanted_bodies())
@@ -194,11 +206,6 @@ class Scenery:
         if model.motion is not None:
             return model.step_is_proved
         return model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
-
-    @property
-    def words(self) -> str:
-        """What stands at the target."""
-        return self._said.words
 
     def gizmo(self, name: str) -> TransformControlsHandle | None:
         """The gizmo of a target, `targets/0`, or of the chosen obstacle, `grip`, where there is one."""

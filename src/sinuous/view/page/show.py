@@ -26,7 +26,7 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.view.display.bounds import best_view, bounds_of, direction_of, find_hiding, seen_places
 from sinuous.view.display.contents import Arm, Contents, MovingArm, gather
 from sinuous.view.display.results import describe_solutions, status_in_words
-from sinuous.view.display.style import CONTACT, FORCE, ROUTE, TIP_PATH, arm_tones, rgb
+from sinuous.view.display.style import CONTACT, FORCE, ROUTE, TIP_PATH, arm_tones
 from sinuous.view.page import nodes
 from sinuous.view.page.model import playing_speed
 
@@ -149,7 +149,7 @@ def record_page(contents: Contents) -> str:
         for i, (target, place) in enumerate(contents.targets):
             nodes.show_target(server.scene, f"/targets/{i}", target, place, bounds.span)
         for i, mark in enumerate(contents.marks):
-            nodes.MarkNode(server.scene, f"/marks/{i}", rgb(CONTACT), 1.2).show(mark, bounds.span)
+            nodes.show_ball(server.scene, f"/marks/{i}", mark, CONTACT, bounds.span, nodes.MARK_SIZE)
         for i, path in enumerate(contents.paths):
             nodes.show_line(server.scene, f"/paths/{i}", path, TIP_PATH, bounds.span)
         _show_forces(server, "forces", contents.forces, bounds.span)

@@ -215,12 +215,6 @@ def save_figure(figure: Any, file: Path) -> None:
 GIF_COLOURS = 128
 """Colours of a GIF."""
 
-ALWAYS = ("#ffffff", style.TARGET, style.PATH, style.ROUTE, *style.ARMS[0], *style.UNSOLVED, style.INK)
-"""Colours that every GIF has as they are."""
-
-NEARLY_WHITE = 246
-"""What the mean of white and its neighbours exceeds, of 255: it becomes white."""
-
 HOLD_SECONDS = 1.2
 """Seconds that a GIF stands at its end before it begins anew."""
 
@@ -245,23 +239,11 @@ def _write_gif(file: Path, frames: Iterable[Pixels], fps: int) -> None:
     from PIL import Image  # noqa: PLC0415
 
     images = [Image.fromarray(frame) for frame in frames]
-    palette = palette_of(Image.fromarray(np.concatenate([np.asarray(images[0]), np.asarray(images[-1])])))
+    ends = Image.fromarray(np.concatenate([np.asarray(images[0]), np.asarray(images[-1])]))
+    palette = ends.quantize(GIF_COLOURS, method=Image.Quantize.MAXCOVERAGE)  # keeps white white, as others do not
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     durations = [round(1000 / fps)] * (len(flat) - 1) + [round(1000 * HOLD_SECONDS)]
     flat[0].save(file, save_all=True, append_images=flat[1:], duration=durations, loop=0, optimize=True)
-
-
-def palette_of(image: Any, count: int = GIF_COLOURS) -> Any:
-    """Return a palette of so many colours: those of an image, and those that all our pictures have."""
-    from matplotlib.colors import to_rgb  # noqa: PLC0415
-    from PIL import Image  # noqa: PLC0415
-
-    kept = [round(255.0 * part) for colour in ALWAYS for part in to_rgb(colour)]
-    found = np.array(image.quantize(count - len(ALWAYS), method=Image.Quantize.MEDIANCUT).getpalette()).reshape(-1, 3)
-    found[(found > NEARLY_WHITE).all(axis=-1)] = 255
-    palette = Image.new("P", (1, 1))
-    palette.putpalette([*found[: count - len(ALWAYS)].ravel().tolist(), *kept])
-    return palette
 
 
 def _write_mp4(file: Path, frames: Iterable[Pixels], fps: int) -> None:

@@ -76,6 +76,17 @@ def test_a_second_target_in_a_pipe_begins_from_the_first() -> None:
     assert len(memory) == 1
 
 
+def test_many_among_obstacles_may_end_undecided_near_a_remembered_shape() -> None:
+    """The best of several starts is the remembered one, and nothing is solved in the first call."""
+    robot = sn.Robot.uniform(4, (0.8, 1.2), max_bend=1.5, radius=0.1)
+    grid = [sn.Sphere((x, y, 3.0), radius=0.3) for x in np.linspace(-1, 1, 5) for y in np.linspace(-1, 1, 5)]
+    memory = Memory(robot)
+    memory.add(robot.straight[None] * (1.0, 1.0, 0.7) + (0.2, 0.0, 0.0))
+    solver = sn.Solver(robot, grid, memory=memory, max_starts=20, time=0.3)
+    found = solver.solve_many(positions=[(0.2, 0.1, 3.8), (0.4, 0.3, 3.7)], workers=1)
+    assert all(each.verify().ok for each in found if each.solved)
+
+
 def test_many_answers_are_those_of_a_loop_over_a_memory_that_does_not_learn() -> None:
     place = make("spheres 40", 4)
     tips = place.robot.tip(place.hidden_q + np.random.default_rng(0).normal(0, 0.03, (20, *place.hidden_q.shape)))

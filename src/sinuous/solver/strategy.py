@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from sinuous.base.checks import Floats
 from sinuous.kernels import tables
-from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, RECORD_WIDTH, SOURCE, SOURCES, STARTS
+from sinuous.kernels.tables import CODE, GIVEN, PROVED_CLOSED, RECORD_WIDTH, SOLVED, SOURCE, SOURCES, STARTS
 from sinuous.methods.method import capabilities
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
@@ -250,6 +250,7 @@ class Strategy:
         rows = np.flatnonzero(answers[:, SOURCE] == GIVEN) if starts.shape[1] else np.empty(0, np.int64)
         answers[rows, SOURCE] = tables.REMEMBERED
         repeats = np.zeros(len(answers), np.bool_)
+        rows = rows[answers[rows, CODE] == SOLVED]  # others count the starts after the one that was best, too
         if self._memory is not None and len(rows):
             began = starts[rows, answers[rows, STARTS].astype(np.int64) - 1]
             found = answers[rows, RECORD_WIDTH:].reshape(began.shape)

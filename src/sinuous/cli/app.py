@@ -124,7 +124,6 @@ class Batch:
     crew: Working
     chunk: int = opt("What is solved, and written, together.", "ROWS", 10_000)
     shard: str | None = opt("Only this part of the chunks; without it, all parts are joined.", "I/N")
-    warm: bool = flag("Begin from solutions of near targets.")
     json: bool = flag(JSON)
 
 

@@ -26,7 +26,7 @@ def batch_file(asked: Batch) -> int:
     solving = asked.solving
     solving.arguments()
     chosen = {"columns": names_in(asked.columns), "shard": read_shard(asked.shard)}
-    run = {"chunk": asked.chunk, "warm": asked.warm, **chosen, **asked.crew.arguments()}
+    run = {"chunk": asked.chunk, **chosen, **asked.crew.arguments()}
     with (
         interruptible(lambda: _kept_rows(asked.out, asked.chunk)),
         setting_of(asked.file) as setting,

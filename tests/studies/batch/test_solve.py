@@ -91,7 +91,6 @@ def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
         ("tolerance", {"tolerance": sn.Tolerance(0.2)}),
         ("chunk", {"chunk": 11}),
         ("initial", {"initial": np.tile([0.1, 0.0, 50.0], (3, 1))}),
-        ("initial", {"warm": True}),
     ],
 )
 @pytest.mark.parametrize("finished", [False, True])
@@ -128,18 +127,6 @@ def test_a_file_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     assert out.read_text(encoding="utf-8") == "mine"
 
 
-def test_warm_starts_are_solved_from_solutions_and_depend_on_nothing_but_the_chunk() -> None:
-    options: dict[str, Any] = {"warm": True, "chunk": 64}
-    one, other = (solve(points(COUNT), workers=workers, **options) for workers in (1, 2))
-    plain = solve(points(COUNT))
-    assert one.results is not None
-    assert other.results is not None
-    assert plain.results is not None
-    np.testing.assert_array_equal(one.results["q"], other.results["q"])
-    assert one.counts["solved"] >= 0.98 * plain.counts["solved"]
-    assert not np.array_equal(one.results["q"], plain.results["q"])
-
-
 def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     q = np.tile([0.3, 0.1, 55.0], (3, 1))
     batch = solve(points(10), initial=q)
@@ -159,7 +146,6 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
         ({"shard": (3, 2)}, "shard"),
         ({"shard": "1/2"}, "shard"),
         ({"shard": (1, 2)}, "shard"),  # without a file there is nothing to join
-        ({"warm": 1}, "warm"),
         ({"initial": [[0.0, 0.0, 1.0]]}, "initial"),
         ({"time": -1.0}, "time"),
     ],

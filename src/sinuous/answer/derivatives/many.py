@@ -4,7 +4,7 @@ Layers take batches of goals, and give configurations and their derivatives.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -59,15 +59,12 @@ class Derivatives:
         self._problem, self._configurations, self._moved, self._status = problem, q, moved, status
         self.wrt, self._chosen = wrt, chosen
 
-    @classmethod
-    def of_parts(cls, count: int, parts: "Sequence[tuple[NDArray[np.int64], Derivatives]]") -> "Derivatives":
-        """Put parts together as rows with these numbers of so many; all others are NaN."""
-        _, first = parts[0]
-        moved = np.full((count, *first._moved.shape[1:]), np.nan)
-        q, status = np.full((count, *first._configurations.shape[1:]), np.nan), np.full(count, float(a.KINK))
-        for rows, part in parts:
-            moved[rows], q[rows], status[rows] = part._moved, part._configurations, part._status
-        return cls(first._problem, q, first.wrt, moved, status, first._chosen)
+    def spread(self, count: int, rows: NDArray[np.int64]) -> "Derivatives":
+        """Return so many rows, of which these have the numbers `rows`; all others are NaN."""
+        moved = np.full((count, *self._moved.shape[1:]), np.nan)
+        q, status = np.full((count, *self._configurations.shape[1:]), np.nan), np.full(count, float(a.KINK))
+        moved[rows], q[rows], status[rows] = self._moved, self._configurations, self._status
+        return type(self)(self._problem, q, self.wrt, moved, status, self._chosen)
 
     @property
     def regular(self) -> NDArray[np.bool_]:

@@ -215,7 +215,6 @@ def solve_batch(
     *,
     columns: Sequence[str] | None = None,
     initial: Rows | None = None,
-    warm: Truth = False,
     chunk: Whole = DEFAULT_CHUNK,
     engine: object = "threads",
     workers: Whole | None = None,
@@ -243,9 +242,6 @@ def solve_batch(
         motors; by default all.
     initial : array_like (n, 3), optional
         Where every solve begins.
-    warm : bool
-        Whether seven of eight targets begin from the solution of a near target of the same chunk, so that results
-        depend on `chunk`. It pays where a solve from nothing is slow, not for free poses.
     chunk : int
         Rows of a chunk: what is lost at most when a worker dies.
     engine : str, Executor or Client
@@ -274,7 +270,7 @@ def solve_batch(
     """
     refuse_unknown(options, SolveArguments.__annotations__)
     given: dict[str, Any] = {"max_starts": DEFAULT_STARTS, "time": DEFAULT_SECONDS, **options}
-    near, size = checks.truth("warm", warm), checks.integer("chunk", chunk, 1, MOST_CHUNK)
+    size = checks.integer("chunk", chunk, 1, MOST_CHUNK)
     count, part = read_workers(workers), None if shard is None else _shard(shard)
     shown, file = checks.truth("progress", progress), None if out is None else Path(out)
     if file is not None:
@@ -285,13 +281,12 @@ def solve_batch(
         raise InputError("shard", "needs a file of results", part, "out=, too")
     solver = Solver(robot, scene, **only_reading(given))
     begun = None if initial is None else robot._one_configuration("initial", initial)
-    work = ChunkSolver(solver, begun, near)
+    work = ChunkSolver(solver, begun)
     with closing(open_source(targets)) as source:
         fingerprint = source.fingerprint()
-        start = "none" if begun is None else hash_of(begun.tobytes())
         depends = {
             **problem_record(solver.robot, solver.scene.snapshot(), solver.options),
-            "initial": f"{start}{', then near targets' if near else ''}",
+            "initial": "none" if begun is None else hash_of(begun.tobytes()),
             "targets": f"{source.rows} rows, {fingerprint}",
             "chunk": size,
             **({} if columns is None else {"columns": list(columns)}),

@@ -127,17 +127,14 @@ class Layout:
         for name in (*ERRORS, *EFFORTS):
             block[name][rows] = getattr(found, name)
 
-    def configurations(self, block: Arrays) -> Floats:
-        """Configurations (m, rows, 3) of a block, NaN where there is none."""
-        return self.robot._rigid.with_joints(block["q"], block["joints"]) if self.joints else block["q"]
-
     def records(self, block: Arrays) -> Floats:
         """What `Solutions` of the rows hold, as far as a table says it: whether, where, how clear of obstacles."""
         solved, clear = block["status"] == CODES["solved"], block["clearance"] - self.robot._least_clearances[0]
         answers = np.zeros((len(solved), RECORD_WIDTH + 3 * len(self.robot)))
         answers[:, CODE] = np.where(solved, SOLVED, FAILED)
         answers[:, CLEARANCE] = np.where(np.isnan(clear), np.inf, clear)
-        answers[:, RECORD_WIDTH:] = self.configurations(block).reshape(len(solved), -1)
+        q = self.robot._rigid.with_joints(block["q"], block["joints"]) if self.joints else block["q"]
+        answers[:, RECORD_WIDTH:] = q.reshape(len(solved), -1)
         return answers
 
 

@@ -127,6 +127,12 @@ def test_a_file_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     assert out.read_text(encoding="utf-8") == "mine"
 
 
+def test_warm_starts_are_a_memory_now() -> None:
+    with pytest.warns(DeprecationWarning, match=r"^solve_batch\(warm=\) is solve_batch\(memory=\) now$") as caught:
+        sn.studies.solve_batch(ROBOT, points(2), warm=True)  # type: ignore[call-arg]
+    assert caught[0].filename == __file__
+
+
 def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     q = np.tile([0.3, 0.1, 55.0], (3, 1))
     batch = solve(points(10), initial=q)

@@ -17,6 +17,7 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Rows, Truth, Whole
 from sinuous.base.documents import draft_of
+from sinuous.base.entrance import warn_moved
 from sinuous.base.errors import InputError, UnfinishedError, refuse_unknown
 from sinuous.base.progress import ProgressBar
 from sinuous.model.robot import Robot
@@ -268,8 +269,10 @@ def solve_batch(
     UnfinishedError
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
-    refuse_unknown(options, SolveArguments.__annotations__)
     given: dict[str, Any] = {"max_starts": DEFAULT_STARTS, "time": DEFAULT_SECONDS, **options}
+    if given.pop("warm", None) is not None:
+        warn_moved("solve_batch(warm=)", "solve_batch(memory=)", 3)
+    refuse_unknown(given, SolveArguments.__annotations__)
     size = checks.integer("chunk", chunk, 1, MOST_CHUNK)
     count, part = read_workers(workers), None if shard is None else _shard(shard)
     shown, file = checks.truth("progress", progress), None if out is None else Path(out)

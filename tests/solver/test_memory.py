@@ -80,7 +80,7 @@ def test_many_among_obstacles_may_end_undecided_near_a_remembered_shape() -> Non
     """The best of several starts is the remembered one, and nothing is solved in the first call."""
     robot = sn.Robot.uniform(4, (0.8, 1.2), max_bend=1.5, radius=0.1)
     grid = [sn.Sphere((x, y, 3.0), radius=0.3) for x in np.linspace(-1, 1, 5) for y in np.linspace(-1, 1, 5)]
-    memory = Memory(robot)
+    memory = sn.Memory(robot)
     memory.add(robot.straight[None] * (1.0, 1.0, 0.7) + (0.2, 0.0, 0.0))
     solver = sn.Solver(robot, grid, memory=memory, max_starts=20, time=0.3)
     found = solver.solve_many(positions=[(0.2, 0.1, 3.8), (0.4, 0.3, 3.7)], workers=1)

@@ -68,7 +68,7 @@ TOOLS = {
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),
     "places": ("gallery", "one place again, or a picture of one of each kind"),
 }
-"""Commands of their own: module, and what each does."""
+"""Commands of their own: module, whose function `run` or whose `app` is the command, and what each does."""
 
 INTERRUPTED = 130
 
@@ -163,8 +163,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     typed = sys.argv[1:] if arguments is None else arguments
     if typed and typed[0] in TOOLS:
-        code: int = import_module(f"benchmarks.{TOOLS[typed[0]][0]}").main(typed[1:])
-        return code
+        tool: Any = import_module(f"benchmarks.{TOOLS[typed[0]][0]}")
+        own = getattr(tool, "app", None)
+        if own is None:
+            own = typer.Typer(add_completion=False, rich_markup_mode=None)
+            own.command()(tool.run)
+        return execute(typer.main.get_command(own), f"python -m benchmarks {typed[0]}", typed[1:])
     app.registered_commands[0].help = _help(next((word for word in typed if word in KNOWN), None))
     return execute(typer.main.get_command(app), "python -m benchmarks", arguments)
 

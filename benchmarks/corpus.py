@@ -31,6 +31,7 @@ import typer
 
 import sinuous as sn
 from benchmarks import derivatives
+from benchmarks.harness.command import Alone
 from benchmarks.harness.experiment import chosen
 from benchmarks.harness.parallel import ignore_suspicions, in_processes
 from benchmarks.judges.motions import wrong_in
@@ -41,7 +42,6 @@ from benchmarks.problems import full_poses, paper_poses
 from benchmarks.real import captured_robot, rows_of
 from benchmarks.wild import calls, trials, worlds
 from benchmarks.wild.worlds import clutter
-from sinuous.cli.app import execute
 from sinuous.cli.app import main as sinuous
 
 SLOW = 3.0
@@ -415,7 +415,6 @@ def read(file: Path) -> dict[str, Answers]:
 
 File = Annotated[Path, typer.Argument(help="Answers, of this machine.")]
 Pieces = Annotated[list[str] | None, typer.Option("--piece", help="Only this one, or those that a pattern fits.")]
-Alone = Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")]
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, help="Hold answers to the last bit to earlier ones.")
 
@@ -452,8 +451,3 @@ def compare(file: File, piece: Pieces = None, alone: Alone = False) -> None:
 
 def _compared(asked: tuple[str, Answers]) -> Compared:
     return compared(*asked)
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command line, by default that of the process, and return its exit code."""
-    return execute(typer.main.get_command(app), "python -m benchmarks corpus", arguments)

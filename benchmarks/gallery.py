@@ -7,7 +7,6 @@ import typer
 
 import sinuous as sn
 from benchmarks.clutter import examine
-from benchmarks.harness.command import command
 from benchmarks.harness.parallel import ignore_suspicions
 from benchmarks.places import FAMILIES, make
 from sinuous.base import checks
@@ -79,6 +78,3 @@ def run(
             f"{family}, {number}: {ours.status}{won} in {1e3 * ours.seconds:.3g} ms; the judge finds it {verdict}"
         )
         raise typer.Exit(0 if ours.solved else 1)
-
-
-main = command(run, "benchmarks places")

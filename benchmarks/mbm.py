@@ -20,7 +20,7 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness.command import Alone, Record, command, give
+from benchmarks.harness.command import Alone, Record, give
 from benchmarks.harness.lines import Times, table
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import right
@@ -223,6 +223,3 @@ def run(
     trials = list(in_processes(partial(examine, robot, seed), given, alone=alone))
     give("mbm", facts, tables(trials), record)
     raise typer.Exit(int(any(trial.wrong for trial in trials)))
-
-
-main = command(run, "benchmarks mbm")

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.rooms`: lines of code by room, and the shape of the package: rooms, circles of imports, names.
+"""`python -m benchmarks rooms`: lines of code by room, and the shape of the package: rooms, circles of imports, names.
 
 Lines of code are those without comments, docstrings and blanks. Imports count wherever they stand, also within
 functions and under TYPE_CHECKING. With `--against COMMIT` the rooms of that commit stand beside those of now.
@@ -8,7 +8,6 @@ import ast
 import io
 import re
 import subprocess
-import sys
 import tarfile
 import tokenize
 from collections import Counter
@@ -20,7 +19,6 @@ import numpy as np
 import typer
 from scipy.sparse.csgraph import connected_components
 
-from benchmarks.harness.command import command
 from benchmarks.harness.lines import table
 from sinuous.base.errors import InputError
 
@@ -149,10 +147,3 @@ def run(
 ) -> None:
     """Count lines of code by room, and say how many rooms, circles of imports, public names and words there are."""
     typer.echo("\n".join(report(here(), {} if against is None else at(against))))
-
-
-main = command(run, "benchmarks.rooms")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

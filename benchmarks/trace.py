@@ -18,8 +18,6 @@ from typing import Annotated, Any
 
 import typer
 
-from benchmarks.harness.command import command
-
 BLOCKED = """
 robot: {segments: {count: 5, length: [45, 70], max_bend: 2.4}, radius: 4, base: {direction: [0, 0, -1]}}
 scene: [{box: {center: [90, 0, -150], size: [40, 200, 30], name: table}}]
@@ -81,6 +79,3 @@ def run(show: Annotated[bool, typer.Option("--list", help="Name the files, too."
             kernels = sum(name.startswith("kernels/") for name in files)
             typer.echo(f"{what}: {len(files) - kernels} files, and {kernels} of kernels")
             typer.echo("".join(f"  {name}\n" for name in files if show), nl=False)
-
-
-main = command(run, "benchmarks trace")

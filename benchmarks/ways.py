@@ -15,7 +15,7 @@ import numpy as np
 import typer
 
 import sinuous as sn
-from benchmarks.harness.command import Alone, Record, command, give
+from benchmarks.harness.command import Alone, Record, give
 from benchmarks.harness.experiment import chosen
 from benchmarks.harness.lines import table
 from benchmarks.harness.parallel import ignore_suspicions, in_processes
@@ -313,6 +313,3 @@ def run(
     }
     give(f"ways {name}", facts, table_of(rows, WAYS[name].against, name != "ablation"), record)
     raise typer.Exit(int(any(row.wrong for row in rows)))
-
-
-main = command(run, "benchmarks ways")

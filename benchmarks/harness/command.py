@@ -1,13 +1,11 @@
-"""Command lines of one function each: `main = command(run, "benchmarks.rooms")`; options that several have."""
+"""Options that several commands have, and what each of these gives."""
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from benchmarks.harness.machine import describe
-from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
 
 
@@ -29,22 +27,3 @@ def give(name: str, facts: dict[str, str], text: str, record: Path | None) -> No
     typer.echo(text, nl=False)
     if record is not None:
         record.write_text(f"# {name}\n\n{text}", encoding="utf-8")
-
-
-def command(run: Callable[..., None], module: str) -> Callable[..., int]:
-    """Return what runs a function as a command, with the arguments of the process or others, and returns its exit code.
-
-    Parameters
-    ----------
-    run : callable
-        Whose parameters are options and arguments, and whose docstring is the help.
-    module : str
-        Its module, as `python -m` takes it.
-    """
-    app = typer.Typer(add_completion=False, rich_markup_mode=None)
-    app.command()(run)
-
-    def main(arguments: Sequence[str] | None = None) -> int:
-        return execute(typer.main.get_command(app), f"python -m {module}", arguments)
-
-    return main

@@ -11,7 +11,8 @@ import pytest
 
 import sinuous as sn
 from benchmarks import corpus
-from benchmarks.corpus import PIECES, Problem, compared, main, written
+from benchmarks.__main__ import main
+from benchmarks.corpus import PIECES, Problem, compared, written
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.0, radius=4.0)
 
@@ -61,12 +62,12 @@ def test_files_are_compared_by_the_command(
     file = tmp_path / "answers.gz"
     with gzip.open(file, "wt") as lines:
         lines.write(json.dumps({"piece": "small", "answers": answers}) + "\n")
-    assert main(["compare", str(file), "--piece", "small", "--alone"]) == code
+    assert main(["corpus", "compare", str(file), "--piece", "small", "--alone"]) == code
     assert f"5 problems, {code} different" in capsys.readouterr().out
     assert corpus.read(file)["small"].keys() == answers.keys()
 
 
 @pytest.mark.parametrize("arguments", [["compare", "nowhere.gz"], ["compare", __file__, "--piece", "none"], ["look"]])
 def test_what_cannot_be_meant_is_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(arguments) == 2
+    assert main(["corpus", *arguments]) == 2
     assert capsys.readouterr().err.count("\n") == 1

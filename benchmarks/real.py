@@ -23,6 +23,7 @@ from benchmarks.harness.experiment import Part, Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.judges.cosserat import shoot
 from benchmarks.judges.kinematics import tip_poses
+from benchmarks.motion.loops import stepped
 from sinuous.base.checks import Floats
 from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
@@ -482,8 +483,8 @@ DRAWN = {SHAPES: tapered, BENT: much_bent}
 
 STEPPED = "control steps under gravity and payload, two sections of 8 arcs among 40 spheres"
 
-DT, REPEATS = 0.02, 3
-"""Seconds of a control step; and how often each is made: the least time is the one without the work of others."""
+DT = 0.02
+"""Seconds of a control step."""
 
 
 def control_steps(plan: Plan) -> list[Line]:
@@ -493,18 +494,9 @@ def control_steps(plan: Plan) -> list[Line]:
     twists = 0.1 * random.normal(size=(count // 10 + 1, 3)).repeat(10, axis=0)
     scene, times = list(_balls(random, 40)), []
     for robot in (hanging, hanging.changed(gravity=None, payload=None)):
-        solver, seconds, proved = sn.Solver(robot, scene), [], 0
         q = np.array([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1]])
-        solver.step(q, twists[0], DT)  # kernels are loaded
-        for twist in twists[:count]:
-            each = []
-            for _ in range(REPEATS):
-                began = perf_counter()
-                step = solver.step(q, twist, DT)
-                each.append(perf_counter() - began)
-            seconds.append(min(each))
-            proved, q = proved + step.proved, step.q
-        times.append((Times.of(seconds), proved))
+        seconds, steps = stepped(sn.Solver(robot, scene), q, twists[:count], DT)
+        times.append((Times.of(seconds), sum(step.proved for step in steps)))
     (loaded, proved), (free, _) = times
     return [
         Line(STEPPED, "a step: median", loaded.median, "ms", Goal(1e-3), loaded, note=f"{proved} of {count} proved"),

@@ -22,10 +22,6 @@ TOLERANCE = sn.Tolerance(0.7e-6, 0.7e-6)
 SHORT = (0.15, 0.55)
 
 
-def _corners(size: float) -> list[tuple[float, ...]]:
-    return list(itertools.product((-size, size), repeat=3))
-
-
 def _icosahedron() -> list[tuple[float, ...]]:
     a, b = 0.5257, 0.8507
     signs = list(itertools.product((-1.0, 1.0), repeat=2))
@@ -34,21 +30,17 @@ def _icosahedron() -> list[tuple[float, ...]]:
 
 
 SCENES = (
-    (
-        "octahedron",
-        [(0.8 * s * (i == 0), 0.8 * s * (i == 1), 0.8 * s * (i == 2)) for i in range(3) for s in (-1, 1)],
-        0.4,
-    ),
-    ("cube", _corners(0.8), 0.4),
-    ("icosahedron", _icosahedron(), 0.4),
-    ("lattice", list(itertools.product((-0.8, 0.0, 0.8), (-0.4, 0.4, 1.2), (-0.8, 0.2, 1.2))), 0.2),
+    ([(0.8 * s * (i == 0), 0.8 * s * (i == 1), 0.8 * s * (i == 2)) for i in range(3) for s in (-1, 1)], 0.4),
+    (list(itertools.product((-0.8, 0.8), repeat=3)), 0.4),
+    (_icosahedron(), 0.4),
+    (list(itertools.product((-0.8, 0.0, 0.8), (-0.4, 0.4, 1.2), (-0.8, 0.2, 1.2))), 0.2),
 )
-"""Names, centers and radius of the balls."""
+"""Centers and radius of the balls: corners of an octahedron, a cube and an icosahedron, and a lattice."""
 
 
 @lru_cache
 def _scene(number: int) -> sn.Scene:
-    _, centers, radius = SCENES[number]
+    centers, radius = SCENES[number]
     return sn.Scene([sn.Sphere(center, radius) for center in centers])
 
 

@@ -92,7 +92,8 @@ def test_beside_walls_the_knots_do_not_depend_on_the_clock(monkeypatch: pytest.M
 
 def test_the_tool_is_not_led() -> None:
     robot = STAGED.changed(tool=sn.pose((0, 0.1, 0.2)))
-    motion = sn.follow_the_leader(robot, BEZIER, tip_deviation=0.1)
+    motion, bare = (sn.follow_the_leader(each, BEZIER, tip_deviation=0.01) for each in (robot, STAGED))
+    np.testing.assert_array_equal(motion.q, bare.q)
     longer = sn.Curve(BEZIER.points, start=STAGED.base[:3, 3])
     assert motion.solved
     assert longer.distance(robot.forward(motion.q)[:, -1, :3, 3]).max() < 1e-8

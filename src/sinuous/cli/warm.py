@@ -30,7 +30,6 @@ from sinuous.methods.method import METHODS, name_of
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.memory_search import load_memory_search
-from sinuous.motion.planning.retraction import slid_back
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.problem.problem import Preferences
 from sinuous.problem.target import Target
@@ -124,8 +123,6 @@ def _motions() -> None:
 def _plans() -> None:
     load_trees(ROBOT, FAR.snapshot())
     load_memory_search(ROBOT, FAR.snapshot())
-    straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
-    slid_back(ROBOT, straight, 0.1, np.ones(len(ROBOT)), np.zeros_like(straight))
 
 
 def _loops(robot: Robot) -> None:

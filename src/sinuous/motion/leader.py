@@ -35,7 +35,7 @@ EXACT = 1e-10
 TIP_DEVIATION = 3e-6
 """How far the tip may leave the curve between knots, by default, in mean lengths of the segments together."""
 
-LOOKS = 7
+TIP_SAMPLES = 7
 """Places of a step, evenly spaced, at which it is measured how far the tip is off the curve."""
 
 SAMPLES = 20
@@ -262,14 +262,14 @@ class _Leader:
         return depths[:kept], found.configuration[:kept], clear[:kept], found
 
     def _off(self) -> Floats:
-        """How far the tip is off the curve at `LOOKS` places of every step, at most (t - 1,)."""
+        """How far the tip is off the curve at `TIP_SAMPLES` places of every step, at most (t - 1,)."""
         ends = list(pairwise(self.depths.tolist()))
         new = np.array([i for i, step in enumerate(ends) if step not in self.off], np.intp)
-        shares = (np.arange(1, LOOKS + 1) / (LOOKS + 1.0))[:, None, None, None]
+        shares = (np.arange(1, TIP_SAMPLES + 1) / (TIP_SAMPLES + 1.0))[:, None, None, None]
         between = (1.0 - shares) * self.q[new] + shares * self.q[new + 1]
-        body, arcs = bodies_at(self.robot, between.reshape(-1, *self.q.shape[1:]))
+        body, arcs = bodies_at(self.solver.robot, between.reshape(-1, *self.q.shape[1:]))
         tips = body.tip(arcs)[..., :3, 3]
-        off = self.path.distance(tips.reshape(-1, 3)).reshape(LOOKS, -1).max(axis=0)
+        off = self.path.distance(tips.reshape(-1, 3)).reshape(TIP_SAMPLES, -1).max(axis=0)
         self.off.update(zip([ends[i] for i in new], off.tolist(), strict=True))
         return np.array([self.off[step] for step in ends])
 

@@ -18,7 +18,7 @@ from sinuous.problem.problem import ask_body
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import SAMPLED, Steps
 
-LOOKS = 9
+SHAPES = 9
 """Shapes, evenly spaced, at which a step that is not proved is looked at."""
 
 MOST_STEPS = 64
@@ -28,7 +28,7 @@ OF_OBSTACLES, OF_BODY = CLEARANCES, CLEARANCES + CLEARANCES_WIDTH
 """Columns where a proof says what it saw of obstacles, and of the body itself."""
 
 
-class _Look(NamedTuple):
+class _Sample(NamedTuple):
     """A shape on the way: how deep it is in something, its step (0 = first), and the share of that."""
 
     depth: float
@@ -43,8 +43,8 @@ def overlap_on_the_way(robot: Robot, scene: Snapshot, q: Floats, times: Floats, 
     counts, not the deepest that there is.
     """
     found: list[Worst] = []
-    for look in _deepest(robot, scene, q, times, steps):
-        i, share = look.step, look.share
+    for sample in _deepest(robot, scene, q, times, steps):
+        i, share = sample.step, sample.share
         when = float(times[i] + share * (times[i + 1] - times[i]))
         try:
             worst = overlap_of(robot, _between(q, i, share), scene.at(when))
@@ -60,27 +60,29 @@ def _between(q: Floats, i: int, share: float) -> Floats:
     return between
 
 
-def _deepest(robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps) -> Iterator[_Look]:
+def _deepest(robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps) -> Iterator[_Sample]:
     """Yield the shapes that are the deepest in an obstacle, and in the body itself, of steps that are not proved."""
     answers = steps.answers
     unclear = np.flatnonzero((answers[:, VERDICT] != CLEAR) & (answers[:, VERDICT] != SAMPLED))
     seen = answers[:, [OF_OBSTACLES + LEAST_SEEN, OF_BODY + LEAST_SEEN]]
     unclear = unclear[np.argsort(seen[unclear].min(axis=1), kind="stable")][:MOST_STEPS]
-    itself = [_Look(-float(seen[i, 1]), int(i), float(answers[i, OF_BODY + WHEN])) for i in unclear if seen[i, 1] < 0.0]
+    itself = [
+        _Sample(-float(seen[i, 1]), int(i), float(answers[i, OF_BODY + WHEN])) for i in unclear if seen[i, 1] < 0.0
+    ]
     yield from (max(itself),) if itself else ()
-    looks = [look for i in unclear.tolist() for look in _looks(robot, scene, q, times, i, answers[i])]
-    yield from (max(looks),) if looks else ()
+    samples = [sample for i in unclear.tolist() for sample in _samples(robot, scene, q, times, i, answers[i])]
+    yield from (max(samples),) if samples else ()
 
 
-def _looks(robot: Robot, scene: Snapshot, q: Floats, times: Floats, i: int, answer: Floats) -> Iterator[_Look]:
+def _samples(robot: Robot, scene: Snapshot, q: Floats, times: Floats, i: int, answer: Floats) -> Iterator[_Sample]:
     """Yield shapes of a step, evenly spaced and the one that the proof saw the deepest in an obstacle."""
     if len(scene) == 0:
         return
     seen = [float(answer[OF_OBSTACLES + WHEN])] if answer[OF_OBSTACLES + LEAST_SEEN] < 0.0 else []
-    for share in (*seen, *np.linspace(0.0, 1.0, LOOKS).tolist()):
+    for share in (*seen, *np.linspace(0.0, 1.0, SHAPES).tolist()):
         try:
             asked = ask_body(robot, _between(q, i, share), ())
         except InputError:  # no equilibrium
             continue
         there = scene.at(float(times[i] + share * (times[i + 1] - times[i])))
-        yield _Look(-compiled_clearance(asked.body, there, asked.arcs, above=True).distance, i, share)
+        yield _Sample(-compiled_clearance(asked.body, there, asked.arcs, above=True).distance, i, share)

@@ -233,14 +233,11 @@ class Planner:
             return self._made(work.scene, deadline, begin, report)
         goals = FixedGoal(end) if isinstance(end, np.ndarray) else TargetGoals(self._solver, end, [])
         query = Query(self._robot, work.scene, begin, goals, self._options.seed, deadline, self._shortcuts)
-        with deadline.paused():  # what is kept of a graph is made once
-            work.walks = search_memory(self._options.memory, self._robot, work.scene, work.trees, work.walks)
+        work.walks = search_memory(self._options.memory, self._robot, work.scene, work.trees, work.walks)
         path = None if work.walks is None else work.walks.find_path(query, goals)
         if path is None:
             if not isinstance(end, np.ndarray):
-                spent = deadline.spent
                 solution = self._solver.solve(end, begin)
-                deadline.set_spent(spent + solution.seconds)
                 if not solution.solved:
                     return self._made(work.scene, deadline, begin, _of_waypoint(solution))
                 goals = TargetGoals(self._solver, end, [solution])

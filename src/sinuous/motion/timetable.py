@@ -59,7 +59,7 @@ class Timetable:
     ----------
     scene : Snapshot
     live : Scene
-        The scene as it is at the time that was looked at last.
+        The scene as it is at the time that was set last.
     """
 
     def __init__(self, scene: Snapshot, times: Floats | None, waypoints: int, started: bool) -> None:
@@ -77,7 +77,7 @@ class Timetable:
         """When the robot is at a waypoint, 0 = first."""
         return float(self._times[waypoint + self._started])
 
-    def look_at(self, when: float) -> None:
+    def set_time(self, when: float) -> None:
         """Let the live scene be what it is at a time; solutions that were found before keep theirs."""
         before = self.live.snapshot()
         self.live.become(self.scene.at(when))

@@ -65,7 +65,7 @@ class TipSteps:
             self._follows = Solver._of_checked(self.solver.robot, self.solver.scene, options)
         return self._follows
 
-    def look_at(self, solution: Solution) -> bool:
+    def take_scene_of(self, solution: Solution) -> bool:
         """Prove from now on in the scene that a solution was found in; say whether that is another one."""
         if self._timetable is not None or self.prover.scene is solution.problem.scene:
             return False
@@ -114,7 +114,7 @@ class TipSteps:
             found: Solution | None = solution
             if line is not None and (part < 1.0 or done > 0.0):
                 if self._timetable is not None:
-                    self._timetable.look_at(when)
+                    self._timetable.set_time(when)
                 found = self.meet(line.at(share) if part < 1.0 else goal, before.begin)
             knot = None if found is None else self.step(before, found, line, (begun, share), when)
             if knot is not None:
@@ -131,7 +131,7 @@ class TipSteps:
         self, before: Knot, found: Solution, line: TipLine | None, shares: tuple[float, float], when: float = 0.0
     ) -> Knot | None:
         """Return the knot at a solution with the proof of the step that leads there; `None` where it is not proved."""
-        self.look_at(found)
+        self.take_scene_of(found)
         knot = Knot(found.configuration, None, found.problem.targets, found, line, shares, time=when)
         proof = self.prove(before, knot)
         return None if proof is None else knot._replace(proof=proof)

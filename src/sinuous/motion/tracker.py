@@ -19,7 +19,7 @@ from sinuous.motion.path_solver import PathSolver
 from sinuous.motion.planning.memory_search import MemorySearch, remember, search_memory
 from sinuous.motion.planning.planners import find_path, find_timed_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals
-from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
+from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.shortening import metric_of, shorten
 from sinuous.motion.timetable import Timetable, spread_times, with_start
@@ -146,17 +146,17 @@ class Tracker:
         an obstacle or a limit, the robot changes its configuration on another way; where no way is found either, the
         step is left unproved.
         """
-        self._look_ahead()
+        self._set_time_of_next()
         solution = self._solver.solve(targets, self._knots[-1].begin if self._knots else None)
         if solution.solved:
             solution = self._move_to(solution)
         self._keep(solution)
         return solution
 
-    def _look_ahead(self) -> None:
+    def _set_time_of_next(self) -> None:
         """Let obstacles that move be where they are when the next waypoint is."""
         if self._timetable is not None:
-            self._timetable.look_at(self._timetable.of(len(self._tried)))
+            self._timetable.set_time(self._timetable.of(len(self._tried)))
 
     def _keep(self, solution: Solution) -> None:
         """Count a waypoint that was tried."""
@@ -175,7 +175,7 @@ class Tracker:
 
     def go_on(self, targets: Targets, entry: TrackedWaypoint) -> Solution:
         """Take the next waypoint as it was found before, by a tracker that was interrupted."""
-        self._look_ahead()
+        self._set_time_of_next()
         initial = self._knots[-1].q if self._knots else None
         solution = self._solver._restore_solution(targets, entry.outcome, entry.solve_seconds, initial)
         self._knots += entry.knots
@@ -193,7 +193,7 @@ class Tracker:
     def _move_to(self, solution: Solution) -> Solution:
         """Move to a waypoint; return its solution, which another may replace that is nearer."""
         when = self._when()
-        self._look_at(solution)
+        self._take_scene_of(solution)
         if not self._knots:
             self._knots.append(Knot(solution.configuration, None, solution.problem.targets, solution, time=when))
         elif self._timetable is None and self._stays(solution):
@@ -203,9 +203,9 @@ class Tracker:
         self._at = solution.problem.targets
         return solution
 
-    def _look_at(self, solution: Solution) -> None:
+    def _take_scene_of(self, solution: Solution) -> None:
         """Prove from now on in the scene that a solution was found in: the robot moves after an update."""
-        if self._steps.look_at(solution):
+        if self._steps.take_scene_of(solution):
             self._outdated = len(self._knots)
 
     def _prove_anew(self) -> None:
@@ -240,7 +240,7 @@ class Tracker:
         self._reconfigured.append(len(self._tried) + 1)
         last, when, times = self._knots[-1], self._when(), None
         if self._timetable is not None:
-            self._timetable.look_at(when)
+            self._timetable.set_time(when)
             times = np.array([last.time, when])
         goals = TargetGoals(self._solver, list(solution.problem.targets), [solution])
         path = self._find_path(last, when, goals)
@@ -260,11 +260,8 @@ class Tracker:
         """Plan a path from where the robot is to a waypoint, in the time that a solve may take."""
         robot, options, scene = self._solver.robot, self._solver.options, self._steps.prover.scene
         if self._timetable is None:
-            began = work_time()
-            load_trees(robot, scene)
             trees = RRTConnect(robot, scene)
             self._walks = search_memory(options.memory, robot, scene, trees, self._walks)
-            self._began += work_time() - began  # compiling is no planning
             query = Query(robot, scene, last.q, goals, options.seed, Deadline(options.time), SHORTCUTS)
             path = None if self._walks is None else self._walks.find_path(query, goals)
             if path is None:
@@ -293,7 +290,7 @@ class Tracker:
     def _meet(self, knot: Knot, q: Floats) -> Knot | None:
         """Meet the targets of a knot from a configuration beside it."""
         if self._timetable is not None:
-            self._timetable.look_at(knot.time)
+            self._timetable.set_time(knot.time)
         found = self._steps.meet(knot.targets, q)
         return None if found is None else knot._replace(q=found.configuration, proof=None, solution=found)
 

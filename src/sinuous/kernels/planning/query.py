@@ -57,11 +57,11 @@ def _carve_trees(buffer: Array, n: int) -> Trees:
     )
 
 
-def nodes_of(workspace: Array, segments: int, side: int = 0) -> Array:
-    """The nodes of a tree (m, n, 3) in the workspace of a plan."""
+def nodes_of(workspace: Array, segments: int) -> Array:
+    """The nodes of the start's tree (m, n, 3) in the workspace of a plan."""
     trees = _carve_trees(workspace[7 * segments + 2 * CLEARANCES_WIDTH :], segments)
-    count = trees.counts[side]
-    nodes: Array = trees.q[side, :count][trees.parents[side, :count] != GONE]
+    count = trees.counts[0]
+    nodes: Array = trees.q[0, :count][trees.parents[0, :count] != GONE]
     return nodes
 
 

@@ -68,8 +68,7 @@ class LocalPlanner:
 
     def _solve(self, target: Target, begin: Floats, room: float, loose: float) -> Floats | None:
         if (room, loose) not in self._solvers:
-            with self.deadline.paused():  # compiling is no planning
-                self._solvers[room, loose] = self._prepared(room, loose)
+            self._solvers[room, loose] = self._prepared(room, loose)
         return self._solvers[room, loose].descend(target, begin, max(0.0, self.deadline.left()))
 
     def _prepared(self, room: float, loose: float) -> Solver:

@@ -1,10 +1,10 @@
-"""How a robot paces a given path: faster, slower, waiting or back, from tick to tick (after Kant & Zucker 1986).
+"""How a robot paces a given path: faster, slower, waiting or back (after Kant & Zucker 1986).
 
-The path is cut into pieces, time into ticks. A state is a place of the path and how many pieces the step there passed:
-the next step may differ from it as much as accelerations allow. How many ticks are left at least, without obstacles, is
-known of all states, and the one with the fewest comes first (A*). An edge between two states is proved clear when it is
-taken from the queue, so few of them are. From rest a body under an even acceleration a gets as far as a h^2 / 2 in the
-first tick h, so no piece is longer than that.
+The path is cut into pieces, time into intervals. A state is a place of the path and how many pieces the step there
+passed: the next step may differ from it as much as accelerations allow. How many intervals are left at least, without
+obstacles, is known of all states, and the one with the fewest comes first (A*). An edge between two states is proved
+clear when it is taken from the queue, so few of them are. From rest a body under an even acceleration a gets as far as
+a h^2 / 2 in the first interval h, so no piece is longer than that.
 """
 
 import heapq
@@ -21,22 +21,22 @@ from sinuous.motion.planning.query import ROUNDING, ProvedPath, TimedQuery
 SHARE = 0.3
 """Share of the time left that pacing one path may take."""
 
-MOST_TICKS = 400
+MOST_INTERVALS = 400
 
-TICKS = 16
-"""Ticks in which the path would be passed without obstacles, about so many."""
+INTERVALS = 16
+"""Intervals in which the path would be passed without obstacles, about so many."""
 
 FASTEST = 8
-"""Most pieces that are passed in a tick."""
+"""Most pieces that are passed in an interval."""
 
 HURRY = 2.0
 """How many times as quickly as evenly the path would be passed where no rates say how quickly it may be."""
 
 HASTE = 1.5
-"""How much more a tick that is left counts than one that is over: with 1, the first path found is the shortest."""
+"""How much more an interval that is left counts than one that is over: with 1, the first path found is the shortest."""
 
 MOST_PIECES = 300
-"""Pieces of a path: with more, ticks are made longer."""
+"""Pieces of a path: with more, intervals are made longer."""
 
 
 class PathState(NamedTuple):
@@ -47,7 +47,7 @@ class PathState(NamedTuple):
 
 
 class _Reached(NamedTuple):
-    """The state at the tick before, and what is proved (14,) of the step."""
+    """The state at the interval before, and what is proved (14,) of the step."""
 
     before: PathState
     answer: Floats | None
@@ -74,7 +74,7 @@ def pace_path(query: TimedQuery, path: Floats) -> ProvedPath | None:
             continue
         if k > 0:
             ends = grid.places[before.place], grid.places[state.place]
-            answer = query.prove(*ends, float(grid.ticks[k - 1]), float(grid.ticks[k]))
+            answer = query.prove(*ends, float(grid.times[k - 1]), float(grid.times[k]))
             if answer is None:
                 blocked.add(edge)
                 continue
@@ -89,14 +89,14 @@ def pace_path(query: TimedQuery, path: Floats) -> ProvedPath | None:
 def _back_from(
     grid: "_PathGrid", reached: dict[tuple[int, PathState], _Reached], last: int, end: PathState
 ) -> ProvedPath:
-    """Return the path that leads to a state at the last tick."""
+    """Return the path that leads to a state at the last interval."""
     state, places, answers = end, [end.place], []
     for k in range(last, 0, -1):
         state, answer = reached[k, state]
         assert answer is not None
         answers.append(answer)
         places.append(state.place)
-    return ProvedPath(grid.places[places[::-1]], np.stack(answers[::-1]), grid.ticks[: last + 1])
+    return ProvedPath(grid.places[places[::-1]], np.stack(answers[::-1]), grid.times[: last + 1])
 
 
 @dataclass(frozen=True)
@@ -105,12 +105,12 @@ class _PathGrid:
 
     `limited`: whether accelerations are; else it does not matter how many pieces a step passed, which is 0 then.
     `fast` (N, j): whether rates allow such a step from a place. `smooth` (N, j, k): whether accelerations allow it
-    after a step of k - FASTEST pieces to this place. `still` (N, j): whether it may come from rest. `stops` (N, j):
-    whether rest may follow such a step to this place. `left` (N, j): ticks until rest at the end, at least, after it.
+    after a step of k - FASTEST pieces to this place. `still` (N, j): whether it may come from rest. `left` (N, j):
+    intervals until rest at the end, at least, after such a step to this place.
     """
 
     places: Floats
-    ticks: Floats
+    times: Floats
     early: bool
     limited: bool
     fast: NDArray[np.bool_]
@@ -119,32 +119,32 @@ class _PathGrid:
     left: Floats
 
     def next(self, k: int, state: PathState) -> Iterator[PathState]:
-        """Yield the states that may follow at tick k + 1 on one at tick k."""
+        """Yield the states that may follow at interval k + 1 on one at interval k."""
         place, passed = state
         allowed = self.fast[place] & (self.still[place] if k == 0 else self.smooth[place, :, passed + FASTEST])
         for step in (np.flatnonzero(allowed) - FASTEST).tolist():
-            if k + 1 + self.left[place + step, step + FASTEST] < len(self.ticks):
+            if k + 1 + self.left[place + step, step + FASTEST] < len(self.times):
                 yield PathState(place + step, step if self.limited else 0)
 
     def worth(self, k: int, state: PathState) -> tuple[float, float]:
-        """Return what a state at tick k is worth, the least first.
+        """Return what a state at interval k is worth, the least first.
 
-        To be early it is best to have few ticks left.
+        To be early it is best to have few intervals left.
         With a duration that is given it is best to go on evenly, so that the robot neither stands long where obstacles
         still come nor has to make up for time.
         """
-        left, last = float(self.left[state.place, state.passed + FASTEST]), len(self.ticks) - 1
+        left, last = float(self.left[state.place, state.passed + FASTEST]), len(self.times) - 1
         even = float(self.left[0, FASTEST]) * (1.0 - k / last)
         return k + HASTE * left if self.early else last - k + HASTE * abs(left - even), -k
 
     def ends(self, k: int, state: PathState) -> bool:
-        """Whether the motion may end in a state at tick k."""
+        """Whether the motion may end in a state at interval k."""
         arrived = self.left[state.place, state.passed + FASTEST] == 0.0
-        return bool(arrived and (self.early or k == len(self.ticks) - 1))
+        return bool(arrived and (self.early or k == len(self.times) - 1))
 
 
 def _grid_of(query: TimedQuery, path: Floats) -> _PathGrid | None:
-    """Cut a path into pieces of which the first can be passed from rest in a tick; `None` where there is no time."""
+    """Cut a path into pieces that can be passed from rest in an interval; `None` where there is no time."""
     moves = np.diff(path, axis=0)
     speeds, gains = query.speeds(moves), query.gains(moves)
     window = query.end - query.begin
@@ -154,26 +154,26 @@ def _grid_of(query: TimedQuery, path: Floats) -> _PathGrid | None:
     tops = np.minimum(speeds, np.sqrt(gains))
     ramps = np.divide(tops, gains, out=np.zeros(len(tops)), where=np.isfinite(gains))
     ramp = float(ramps.max(initial=0.0))
-    tick = max((float((1.0 / tops).sum()) + ramp) / TICKS, 2.0 * ramp / FASTEST, window / MOST_TICKS)
-    counts = _counts(speeds, gains, tick)
+    interval = max((float((1.0 / tops).sum()) + ramp) / INTERVALS, 2.0 * ramp / FASTEST, window / MOST_INTERVALS)
+    counts = _counts(speeds, gains, interval)
     while counts.sum() > MOST_PIECES:
-        tick *= 1.25
-        counts = _counts(speeds, gains, tick)
-    number = int(window / tick * (1.0 + ROUNDING))
-    if number < 2 or (number > MOST_TICKS and not query.early):
+        interval *= 1.25
+        counts = _counts(speeds, gains, interval)
+    number = int(window / interval * (1.0 + ROUNDING))
+    if number < 2 or (number > MOST_INTERVALS and not query.early):
         return None
     if not query.early:
-        tick = window / number
-    return _allowed(query, cut(path, counts), _ticks(query, tick, min(number, MOST_TICKS)), tick)
+        interval = window / number
+    return _allowed(query, cut(path, counts), _grid_times(query, interval, min(number, MOST_INTERVALS)), interval)
 
 
-def _counts(speeds: Floats, gains: Floats, tick: float) -> NDArray[np.intp]:
+def _counts(speeds: Floats, gains: Floats, interval: float) -> NDArray[np.intp]:
     """Return into how many pieces each leg is cut."""
-    most = np.minimum(speeds * tick, 0.5 * gains * tick * tick)
+    most = np.minimum(speeds * interval, 0.5 * gains * interval * interval)
     return np.maximum(1, np.ceil(1.0 / most - ROUNDING)).astype(np.intp)
 
 
-def _allowed(query: TimedQuery, places: Floats, ticks: Floats, tick: float) -> _PathGrid:
+def _allowed(query: TimedQuery, places: Floats, intervals: Floats, interval: float) -> _PathGrid:
     """Say which steps rates and accelerations allow."""
     count, jumps = len(places), np.arange(-FASTEST, FASTEST + 1)
     to, back = np.arange(count)[:, None] + jumps, np.arange(count)[:, None] - jumps
@@ -181,22 +181,26 @@ def _allowed(query: TimedQuery, places: Floats, ticks: Floats, tick: float) -> _
     on = places[np.clip(to, 0, count - 1)] - places[:, None]
     before = places[:, None] - places[np.clip(back, 0, count - 1)]
     flat = (-1, *places.shape[1:])
-    least = (1.0 - ROUNDING) / tick
+    least = (1.0 - ROUNDING) / interval
     fast = is_there & (query.speeds(on.reshape(flat)) >= least).reshape(is_there.shape)
     turns = on[:, :, None] - before[:, None]
-    square = least / tick
+    square = least / interval
     smooth = (query.gains(turns.reshape(flat)) >= square).reshape(turns.shape[:3]) & came[:, None]
     still, stops = ((query.gains(each.reshape(flat)) >= 2.0 * square).reshape(fast.shape) for each in (on, before))
-    left = _ticks_left(fast, smooth, stops & came, len(ticks))
-    return _PathGrid(places, ticks, query.early, query.accelerations is not None, fast, smooth, still & is_there, left)
+    left = _intervals_left(fast, smooth, stops & came, len(intervals))
+    return _PathGrid(
+        places, intervals, query.early, query.accelerations is not None, fast, smooth, still & is_there, left
+    )
 
 
-def _ticks_left(fast: NDArray[np.bool_], smooth: NDArray[np.bool_], stops: NDArray[np.bool_], ticks: int) -> Floats:
-    """Return how many ticks it takes at least to come to rest at the end (N, j), after steps of j - FASTEST pieces."""
+def _intervals_left(
+    fast: NDArray[np.bool_], smooth: NDArray[np.bool_], stops: NDArray[np.bool_], intervals: int
+) -> Floats:
+    """Return how many intervals it takes at least to rest at the end (N, j), after steps of j - FASTEST pieces."""
     left = np.full(fast.shape, np.inf)
     left[-1, stops[-1]] = 0.0
     to = np.clip(np.arange(len(left))[:, None] + np.arange(-FASTEST, FASTEST + 1), 0, len(left) - 1)
-    for _ in range(ticks):
+    for _ in range(intervals):
         on = np.where(fast, left[to, np.arange(len(left[0]))], np.inf)
         fewer = np.minimum(left, 1.0 + np.where(smooth, np.expand_dims(on, 2), np.inf).min(axis=1))
         if np.array_equal(fewer, left):
@@ -205,13 +209,13 @@ def _ticks_left(fast: NDArray[np.bool_], smooth: NDArray[np.bool_], stops: NDArr
     return left
 
 
-def _ticks(query: TimedQuery, tick: float, count: int) -> Floats:
-    """Return the ends (count + 1,) of ticks; where the duration is given, they fill it to the last digit."""
+def _grid_times(query: TimedQuery, interval: float, count: int) -> Floats:
+    """Return the ends (count + 1,) of intervals; where the duration is given, they fill it to the last digit."""
     if query.early:
-        return query.begin + tick * np.arange(count + 1.0)
-    ticks = query.begin + (query.end - query.begin) / count * np.arange(count + 1.0)
-    ticks[-1] = query.end
-    return ticks
+        return query.begin + interval * np.arange(count + 1.0)
+    intervals = query.begin + (query.end - query.begin) / count * np.arange(count + 1.0)
+    intervals[-1] = query.end
+    return intervals
 
 
 def cut(path: Floats, counts: NDArray[np.intp]) -> Floats:

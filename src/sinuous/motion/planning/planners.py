@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cached_property
 from itertools import count, islice
 
 import numpy as np
@@ -16,25 +17,23 @@ from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.path_pacing import pace_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
 from sinuous.motion.planning.retraction import FIRST, KINDS, Retraction
-from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees
+from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.timed_tree import grow_timed_tree
 from sinuous.motion.planning.tree import Chain
 from sinuous.scene.moving import Moving
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LOOSE_SECONDS, SLACK, Prover
 
-EASY, FIRST_DRAWS = 16, 64
-"""Draws of the first trees, which grow from the ends as they are. After the first number of draws, it is listed where
-which of very many obstacles are near."""
+EASY = 16
+"""Draws of the first trees among very many obstacles; before the next ones, it is listed where which of them are near.
+"""
 
-NARROW = 0.1875
-"""A tree with no more nodes than this share of its draws grows from a narrow place."""
-
-ROUNDS = ((0, 256), (256, 1024))
-"""Draws of trees from the ends as they are where none is in a narrow place; before each more goals are looked for."""
+FIRST_DRAWS, MORE_DRAWS, LAST_DRAWS = 64, 256, 1024
+"""Draws of trees that grow from the ends as they are, in all: before more goals are looked for, and goals are drawn
+back."""
 
 FIRST_GOALS, FIRST_STEPS = 2, 16
-"""Goals that are drawn back a little before anything else, and by how many steps."""
+"""Goals that are drawn back a little, by so many steps, before any is drawn back as far as that goes."""
 
 DRAWS, MOST_DRAWS = 256, 2**20
 """Draws of trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
@@ -60,7 +59,7 @@ SHARE = 0.1
 """Share of the time left that planning a path to be paced may take."""
 
 
-TURNS, SHARE_OF_TREES = 3, 0.5
+TURNS, SHARE_OF_TREES = 6, 0.5
 """Turns, and the share of the time left, of planners that do not know limits of tensions, where there are any."""
 
 
@@ -97,11 +96,22 @@ class PlanSearch:
 
     def __init__(self, query: Query, trees: RRTConnect) -> None:
         self._query, self._trees = query, trees
-        self._local = LocalPlanner(query)
-        self._retracted = ContactRetractionTrees(self._local, query.seed)
         self._goals = np.empty((0, *query.start.shape))
         self._outs: list[Chain] = []
         self._ins: list[Chain] = []
+
+    @cached_property
+    def _local(self) -> LocalPlanner:
+        return LocalPlanner(self._query)
+
+    @cached_property
+    def _retracted(self) -> ContactRetractionTrees:
+        return ContactRetractionTrees(self._local, self._query.seed)
+
+    @cached_property
+    def _joining(self) -> RRTConnect:
+        """Trees beside those that grow from the ends as they are."""
+        return RRTConnect(self._query.robot, self._query.scene)
 
     def paths(self) -> Iterator[ProvedPath | None]:
         """Yield the path that is found, or `None` after each turn, until the time is over."""
@@ -113,12 +123,10 @@ class PlanSearch:
         if path is None and query.scene.has_hierarchy:
             path = self._between_ends((0, EASY))
             query.scene.list_near(query.robot.base[:3, 3], query.robot.longest, ball_radius(query.robot.limits))
-        path = path or self._between_ends((0, FIRST_DRAWS))
-        first, other = self._trees.sizes
-        narrow = min(first, other - len(self._goals) + 1) <= NARROW * FIRST_DRAWS
-        yield path or self._from_little_back()
-        for draws in () if narrow else ROUNDS:
-            yield self._between_ends(draws)
+        yield path or self._between_ends((0, FIRST_DRAWS))
+        yield self._between_ends((FIRST_DRAWS, MORE_DRAWS))
+        yield self._from_little_back()
+        yield self._between_ends((MORE_DRAWS, LAST_DRAWS))
         for turn in count():
             if query.deadline.left() <= 0.0:
                 return
@@ -128,7 +136,7 @@ class PlanSearch:
     def _between_ends(self, draws: tuple[int, int]) -> ProvedPath | None:
         """Let trees grow from the ends as they are, anew where they begin with draw 0."""
         query, known = self._query, len(self._goals) if draws[0] > 0 else 0
-        self._goals = query.goals(self._trees.reached if draws[1] > FIRST_DRAWS else query.start[None])
+        self._goals = query.goals(self._trees.reached if draws[0] > 0 else query.start[None])
         roots = np.concatenate([query.start[None], self._goals[known:]])
         return self._trees.grow(roots, query.seed, draws, query.deadline, query.shortcuts)
 
@@ -171,7 +179,7 @@ class PlanSearch:
     def _join(self, out: Chain, ins: list[Chain], seed: int, draws: int) -> ProvedPath | None:
         """Let trees grow from the end of a chain of the start's to knots of the goals', and lead on into the ends."""
         knots = [q for chain in ins for q in self._some(chain, out[-1])]
-        path = self._trees.grow(np.stack([out[-1], *knots]), seed, (0, draws), self._query.deadline)
+        path = self._joining.grow(np.stack([out[-1], *knots]), seed, (0, draws), self._query.deadline)
         if path is None:
             return None
         end = path.q[-1]
@@ -262,7 +270,6 @@ def _untimed_path(query: TimedQuery, scene: Snapshot, seed: int) -> Floats | Non
     ends = query.start, query.goals(query.start[None])[0]
     if any(overlap_at(query.robot, q, prover) is not None for q in ends):
         return None
-    load_trees(query.robot, scene)
     deadline = Deadline(SHARE * query.deadline.left())
     path = find_path(Query(query.robot, scene, query.start, query.goals, seed % 2**31, deadline))
     return None if path is None else path.q

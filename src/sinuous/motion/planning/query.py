@@ -1,7 +1,6 @@
 """What a planner is asked: from where to where, in which scene, until when; and what it answers."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -53,19 +52,6 @@ class Deadline:
     def left(self) -> float:
         """Seconds that are left; negative after the end."""
         return self._budget - self.spent
-
-    def set_spent(self, seconds: float) -> None:
-        """Count only so many seconds of the time until now; the rest of it was compiling."""
-        self._began = work_time() - seconds
-
-    @contextmanager
-    def paused(self) -> Iterator[None]:
-        """Do not count what is done in the meantime: it may compile."""
-        began = work_time()
-        try:
-            yield
-        finally:
-            self._began += work_time() - began
 
 
 class FixedGoal:

@@ -5,13 +5,11 @@ the tip; the rest gives way as little as it can, pushed off by obstacles. A robo
 outside. Backwards, it is the motion into the place.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.planning.sliding import slide_back, sliding_size
-from sinuous.model.robot import Robot, robot_group
+from sinuous.model.robot import Robot
+from sinuous.motion.configurations import within_limits
 from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner
 from sinuous.problem.target import Target
 from sinuous.solver.polylines import lengths_along
@@ -32,37 +30,18 @@ OF_CURVE = 20
 """Points of the curve on each segment."""
 
 
-class RetractionKind(NamedTuple):
-    """How a body is led back.
-
-    Attributes
-    ----------
-    slides : bool
-        Whether each step begins with the body slid back along itself, or with the body where it is.
-    points : bool
-        Whether its tip points along the curve, or where it likes.
-    meets : bool
-        Whether only what is beyond the tip of the other end slides, and the rest goes to where it is there.
-    """
-
-    slides: bool
-    points: bool
-    meets: bool = False
-
-
-KINDS = (
-    RetractionKind(True, False, True),
-    RetractionKind(True, False),
-    RetractionKind(True, True, True),
-    RetractionKind(True, True),
-    RetractionKind(False, False),
-    RetractionKind(False, True),
-)
-"""What is tried first, and, where that is stuck, what goes on from there: all of them with most room, then with less.
-"""
+KINDS = (True, False)
+"""Kinds of retractions: whether only what is beyond the tip of the other end slides, and the rest goes to where it is
+there."""
 
 WAYS = len(KINDS) * (len(CLEARANCES) + 1)
-"""Kinds, each with every room."""
+"""Kinds, each with every room: what is tried first, and, where that is stuck, what goes on from there."""
+
+DAMPING = 1e-3
+"""Of the motion with which a body slides back, as a share of the mean diagonal entry of its normal matrix."""
+
+TURNS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(1, 2, 0).reshape(3, 9)
+"""From an arm (3,) to what makes of a rate of rotation the velocity of its end (3, 3), flat."""
 
 
 class Retraction:
@@ -120,10 +99,10 @@ class Retraction:
     def _goes_to(self, along: float) -> bool:
         """Lead the tip to a place of the curve, if there is a proved motion."""
         local, q = self._local, self.knots[-1]
-        kind = KINDS[(self._first + self._way) % len(KINDS)]
+        meets = KINDS[(self._first + self._way) % len(KINDS)]
         room = (*CLEARANCES, 0.0)[self._way // len(KINDS)]
-        begin = self._slid_back(self.left - along, kind.meets) if kind.slides else q
-        new = local.lead(self._target(along, kind), begin, room)
+        place = np.array([np.interp(along, self._along, axis) for axis in self._points.T])
+        new = local.lead(Target(place), self._slid_back(self.left - along, meets), room)
         if new is None or not local.is_clear(q, new):
             return False
         self.knots.append(new)
@@ -143,20 +122,21 @@ class Retraction:
         share = min(1.0, by / left) if left > 0.0 else 0.0
         return slid_back(robot, q, by, weights, share * (self._other - q))
 
-    def _target(self, along: float, kind: RetractionKind) -> Target:
-        i = int(np.clip(np.searchsorted(self._along, along), 1, len(self._along) - 1))
-        before, piece = self._points[i - 1], self._points[i] - self._points[i - 1]
-        length = float(self._along[i] - self._along[i - 1])
-        place = before + ((along - self._along[i - 1]) / length if length > 0.0 else 0.0) * piece
-        return Target(place, direction=piece) if kind.points else Target(place)
-
 
 def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Floats) -> Floats:
-    """Return the configuration (n, 3) whose ends of segments have gone back along their tangents, as far as they can.
+    """Return the configuration (n, 3) that has slid back along itself, to first order, within the limits of segments.
 
-    See `kernels.planning.sliding.slide_back`.
+    The ends of segments go back along their tangents by so much, as far as they can (damped least squares); each counts
+    by its weight (n,). What that leaves free changes by `wished` (n, 3). The robot has no tool.
     """
-    workspace, back = np.empty(sliding_size(len(robot))), np.empty((len(robot), 3))
-    begin = np.array(q, order="C")
-    slide_back(robot_group(robot), begin, by, weights, wished, robot.mean_length, workspace, back)
-    return back
+    n, basis = len(q), robot.drive.coordinates.basis
+    units = np.tile([1.0, 1.0, robot.mean_length / n], n)
+    ends, jacobian = robot.forward(q), robot._row_jacobian(q, n)
+    arms = ends[:, :3, 3] - ends[-1, :3, 3]
+    moves = jacobian[3:] + (arms @ TURNS).reshape(n, 3, 3) @ jacobian[:3]  # (n, 3, 3 n), of every end
+    moves *= (np.arange(3 * n) // 3 <= np.arange(n)[:, None])[:, None] * weights[:, None, None]
+    rows, back = (moves.reshape(3 * n, 3 * n) * units) @ basis, (-by * weights[:, None] * ends[:, :3, 2]).ravel()
+    hoped, normal = basis.T @ (wished.ravel() / units), rows.T @ rows
+    damping = DAMPING * np.trace(normal) / (3 * n) + np.finfo(float).tiny
+    step = hoped + np.linalg.solve(normal + damping * np.eye(len(normal)), rows.T @ (back - rows @ hoped))
+    return within_limits(robot, q + (units * (basis @ step)).reshape(n, 3))

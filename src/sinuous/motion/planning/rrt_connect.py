@@ -84,12 +84,6 @@ class RRTConnect:
         return nodes_of(self._workspace, len(self._robot))
 
     @property
-    def sizes(self) -> tuple[int, int]:
-        """How many nodes the tree of the start has, and that of the goals."""
-        first, second = (len(nodes_of(self._workspace, len(self._robot), side)) for side in (0, 1))
-        return first, second
-
-    @property
     def _groups(self) -> tuple[Floats, Floats]:
         return robot_group(self._robot), self._scene._kernel_group
 

@@ -33,7 +33,7 @@ MOST_LINKS, LINK_TRIES = 4, 8
 LINK_DRAWS = 64
 """Draws of trees where none of these is clear."""
 
-JOIN_DRAWS, JOIN_TURNS = 1024, 4
+JOIN_DRAWS, JOIN_TURNS = 1024, 6
 """Draws of trees between two parts, and turns of all planners where these do not meet."""
 
 LEAST_FRACTION = 1e-3

@@ -55,12 +55,16 @@ SHARE_AMONG_BALLS = 2.0
 """The same where all obstacles are balls and capsules: they enclose nothing, so that chains along a route are hardly
 better than scattered starts, and take longer than they are said to (spheres 40, spheres 100)."""
 
+SHARE_AMONG_MANY = 0.2
+"""The same among so many obstacles that there is a tree over them: hardly any scattered start gets through (rods)."""
+
 SCATTERED_FIRST = 3
 """Scattered starts before any route is looked for, where that takes longer than they do: beside meshes, unless these
 enclose the base, and where nothing has edges (plates, shelf)."""
 
-CELLS_A_START = 250
-"""Cells that a search looks at in the time of one scattered start (halls, doors)."""
+CELLS_A_START, CELLS_A_START_AMONG_MANY = 250, 2500
+"""Cells that a search looks at in the time of one scattered start (halls, doors), and the same where there is a tree
+over the obstacles (rods, sheets)."""
 
 PRIORITY_AFTER_EDGES = 14
 """Priority of the first search over cells, where a route around edges is known: what is tried along that comes before
@@ -118,12 +122,13 @@ PRIORITY_UNGUIDED = 2.0
 """Priority of a beam without a route, for each chain that it keeps: a route is quicker where there is one (folded,
 cells)."""
 
-PRIORITY_UNGUIDED_AMONG_MANY = 0.02
-"""The same among so many obstacles that there is a tree over them: there the body can follow hardly any route."""
+PRIORITY_AMONG_MANY, PRIORITY_UNGUIDED_AMONG_MANY = 1.7, 0.02
+"""Priority of beams without a route among so many obstacles that there is a tree over them, and what is added for each
+chain: there the body can follow hardly any route, but one with room (`RouteCandidates.add_route`), along which chains
+are grown first (rods, sheets, box duct)."""
 
-UNGUIDED_AT_ONCE = 32
-"""Width up to which beams without a route come first there, before a route is searched for (rods, sheets, profiles,
-hoops)."""
+PRIORITY_SIDE_TUBES_AMONG_MANY = 2.5
+"""Priority of a route through tubes there: looking for them takes longer than the first beams (rods)."""
 
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
@@ -298,8 +303,10 @@ def attempts_of(
     passages : callable, optional
         See `Strategy.batches`.
     """
-    balls = searches is not None and searches.only_balls(question.problem)
-    attempts = AttemptQueue(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
+    share = SHARE_AMONG_MANY if question.problem.scene.has_hierarchy else SHARE
+    if searches is not None and searches.only_balls(question.problem):
+        share = SHARE_AMONG_BALLS
+    attempts = AttemptQueue(question, scattered, share, without)
     query = None if searches is None else searches.query(question.problem)
     if searches is not None and query is not None:
         searches.list_near(question.problem)
@@ -434,19 +441,20 @@ class RouteAttempts:
             self._attempts.add(SCATTERED, PRIORITY_AT_ONCE, self._scattered_first, effort=0)
         if not self._question.several:
             self._add_unguided()
-        for name, find in (
-            (EDGES, self._candidates.route_around_edges),
-            (SIDE_TUBES, self._candidates.route_through_side_tubes),
+        tubes = PRIORITY_SIDE_TUBES_AMONG_MANY if self._many else PRIORITY_AT_ONCE
+        for name, priority, find in (
+            (EDGES, PRIORITY_AT_ONCE, self._candidates.route_around_edges),
+            (SIDE_TUBES, tubes, self._candidates.route_through_side_tubes),
         ):
-            self._attempts.add(name, PRIORITY_AT_ONCE, partial(self._find_one, find), effort=0)
+            self._attempts.add(name, priority, partial(self._find_one, find), effort=0)
         self._attempts.add("cells", PRIORITY_AT_ONCE, partial(self._search, self._plans, True), effort=0)
 
     def _add_unguided(self) -> None:
         """Add chains without a route, by wider and wider beams."""
         for width in UNGUIDED_WIDTHS:
-            priority = width * (PRIORITY_UNGUIDED_AMONG_MANY if self._many else PRIORITY_UNGUIDED)
-            if self._many and width <= UNGUIDED_AT_ONCE:
-                priority = PRIORITY_AT_ONCE
+            priority = PRIORITY_UNGUIDED * width
+            if self._many:
+                priority = PRIORITY_AMONG_MANY + PRIORITY_UNGUIDED_AMONG_MANY * width
             make = partial(self._candidates.chains_that_meet, width)
             self._attempts.add("unguided", priority, make, EFFORT_OF_AN_UNGUIDED_CHAIN * width)
 
@@ -509,7 +517,8 @@ class RouteAttempts:
             others = [(priority, other) for priority, other in others if other != self._searches.middle]
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), effort=0)
-        yield starts_along(self._question.initial[:0], (), effort=found.cells / CELLS_A_START, closed=closed)
+        effort = found.cells / (CELLS_A_START_AMONG_MANY if self._many else CELLS_A_START)
+        yield starts_along(self._question.initial[:0], (), effort=effort, closed=closed)
 
     def _add_root(self, number: int) -> None:
         """Add a search for a route to where the backbone may end, where a tool leaves that open."""

@@ -41,6 +41,10 @@ from sinuous.solver.routing.tubes import chains_out_of_tube, find_tube_around, l
 CUT = 0.9
 """Distance from the obstacles, in radii of the body, below which a route over coarse cells may lead through a wall."""
 
+TIGHT, ROOM = 10, 1.9
+"""Percentage of a route that may be tight, and how far from the obstacles the rest is where it has room, in radii of
+the body (rods, box duct)."""
+
 ENDS = 0.04
 """Share of a route at either end of which that is not asked."""
 
@@ -174,6 +178,8 @@ class RouteCandidates:
                 return None
         clear = finest or self._clear(route, self.query)
         weight = 1 + (not clear) + sum(other.clear >= clear for other in self.known)
+        if self._problem.scene.has_hierarchy:
+            weight += not self._has_room(route)
         self.known.append(RouteCandidate(route, clear, 1 + len(self.known), weight))
         return self.known[-1]
 
@@ -218,7 +224,9 @@ class RouteCandidates:
         yield self._nothing()
         if candidate.rank not in self._chains:
             self._chains[candidate.rank] = JoinedChains(self._groups, legs, self._deadline)
-        for chain in self._chains[candidate.rank].chains_of_width(width):
+        joined = self._chains[candidate.rank]
+        quick = width == FIRST_WIDTH and self._problem.scene.has_hierarchy  # others are tried before the rest
+        for chain in joined.chains_past_all_targets(width) if quick else joined.chains_of_width(width):
             if self._is_new(chain):
                 yield starts_along(chain[None], (candidate.route,))
 
@@ -276,6 +284,11 @@ class RouteCandidates:
         distances, skipped = self.searches.distances(self._problem, concerned), max(1, round(ENDS * len(concerned)))
         least = distances[skipped:-skipped].min(initial=np.inf)
         return bool(least > CUT * query[QUERY_RADIUS] and distances.min(initial=np.inf) > 0.0)
+
+    def _has_room(self, route: Floats) -> bool:
+        """Whether a route (K, 3) leaves room about the body nearly everywhere, so that the body can follow it."""
+        distances = self.searches.distances(self._problem, route)
+        return bool(np.percentile(distances, TIGHT) > ROOM * self.query[QUERY_RADIUS])
 
     def _nothing(self) -> StartBatch:
         """A batch without any start."""

@@ -52,6 +52,9 @@ def module(file: Path) -> str:
     return ".".join(file.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__")
 
 
+NAMES = {module(file) for file in SOURCES}
+
+
 @cache
 def parsed(file: Path) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"))
@@ -65,9 +68,7 @@ def imports(file: Path) -> tuple[str, ...]:
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "sinuous":
             for alias in node.names:
                 inner = f"{node.module}.{alias.name}".partition(".")[2]
-                there = PACKAGE / Path(*inner.split("."))
-                is_module = there.with_suffix(".py").exists() or there.is_dir()
-                found.append(inner if is_module else (node.module or "").partition(".")[2])
+                found.append(inner if inner in NAMES else (node.module or "").partition(".")[2])
     return tuple(dict.fromkeys(name for name in found if name))
 
 

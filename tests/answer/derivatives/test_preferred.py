@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
+from scipy.optimize import root
 
 import sinuous as sn
 from benchmarks.derivatives import ALL, SHAPES, Tangent, preferred, question, random_tangent
@@ -37,7 +37,7 @@ def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Fl
         return np.concatenate([slope, ends.value, left])
 
     count = len(moves) + len(residual_of(problem, near).value) + len(active)
-    found = least_squares(conditions, np.zeros(count), method="trf", xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    found = root(conditions, np.zeros(count), tol=1e-15)
     assert np.abs(found.fun).max() < 1e-10
     whole = near.copy()
     whole.ravel()[moves] += scale[moves] * found.x[: len(moves)]

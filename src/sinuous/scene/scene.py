@@ -273,6 +273,12 @@ class Scene(NotebookMixin, Surroundings):
             own = self._described.setdefault(name, before.obstacles[found[0]])
             self._snapshot = before.replaced(found[0], moved(own, there))
 
+    def become(self, snapshot: Snapshot) -> None:
+        """Hold these obstacles from now on, as many as before; a `Solver` made before goes on with them."""
+        with self._lock:
+            self._snapshot = snapshot
+            self._described.clear()
+
     def __getstate__(self) -> tuple[Snapshot, dict[str, Obstacle]]:
         return self._snapshot, dict(self._described)
 

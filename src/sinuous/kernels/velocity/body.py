@@ -50,13 +50,10 @@ MOST_STEPS = 12
 TENSION_INSET = 1e-3
 """How far below the greatest stretch of a line a step aims, as a share of it: room for a proof of the way there."""
 
-TIGHTENED, TIGHTER = 3, 1.2
-"""How often bounds of tensions are made tighter where the equilibrium leaves them, by how many times as much."""
-
 RestingBody = namedtuple(
     "RestingBody",
     "problem arcs sections of_lines stretches body space record at x tensions trial_x trial_tensions unloaded columns "
-    "pulls by_drive tip seen system scratch began tighter",
+    "pulls by_drive tip seen system scratch began",
 )
 """A body in equilibrium.
 
@@ -65,8 +62,7 @@ RestingBody = namedtuple(
 `at` (n, 3) which the states `x` (N, 4) and tensions (t,) are those of; the same that are tried; and states without load
 (N, 4). Derivatives by the drive: `columns` (3 n, N, 4) of states, `pulls` (3 n, t) of tensions, `by_drive` (3 n, N, 3)
 of arcs, `tip` (6, 3 n) of rotation and place of the tool, `seen` (r, 3 n) of rows. Their `system` (r, r), `scratch`
-(r, r + 1). The stretches with which the step `began` (t,), and by how much more than `TENSION_INSET` a step stays below
-the greatest ones (t,)."""
+(r, r + 1). The stretches with which the step `began` (t,)."""
 
 
 def move_body(limits: Array, control: Control, resting: RestingBody | None) -> bool:
@@ -85,7 +81,6 @@ def _rest_at(control: Control, own: RestingBody) -> bool:
         return False
     copy(control.q, own.at)
     copy(own.trial_x, own.x)
-    own.tighter[:] = 0.0
     for i in range(own.tensions.shape[0]):
         own.tensions[i] = own.trial_tensions[i]
     answer_drive(own.sections, own.of_lines, control.q, own.x, own.body, own.space, own.columns, own.pulls)
@@ -268,11 +263,6 @@ def owner_of(own: RestingBody, arc: float) -> float:
     return -1.0
 
 
-def _greatest(own: RestingBody, i: int) -> float:
-    """The stretch of line i up to which a step may go: no more beyond its limit than at the beginning."""
-    return float(max(own.stretches[i, 1] * (1.0 - TENSION_INSET), own.began[i]))
-
-
 def add_tensions(problem: Problem, control: Control, own: RestingBody, first: int, actuators: int) -> int:
     """Write the bounds of tensions, from row `first` on, and return the next free row.
 
@@ -295,23 +285,11 @@ def _add_tension(problem: Problem, control: Control, own: RestingBody, i: int, a
     if size < 1e-9 * problem.unit:
         return 0
     value = compliance * own.tensions[i]
-    least, most = min(own.stretches[i, 0] * (1.0 + TENSION_INSET), own.began[i]), _greatest(own, i) - own.tighter[i]
+    least = min(own.stretches[i, 0] * (1.0 + TENSION_INSET), own.began[i])
+    most = max(own.stretches[i, 1] * (1.0 - TENSION_INSET), own.began[i])
     row[width + v.LOW], row[width + v.HIGH] = (least - value) / size + ACTUATOR_INSET, (most - value) / size
     wished = own.stretches[i, 1] * (1.0 - TENSION_INSET)  # no proof begins nearer to a limit
     row[width + v.WISHED_LOW], row[width + v.WISHED_HIGH] = -math.inf, (wished - value) / size
     row[width + v.KIND_LOW] = row[width + v.KIND_HIGH] = v.ACTUATOR_LIMIT
     row[width + v.GAP], row[width + v.BOUND_SEGMENT], row[width + v.BOUND_OTHER] = math.inf, -1.0, actuators + i
     return 1
-
-
-def tighten(own: RestingBody, q: Array) -> bool:
-    """Say whether tensions leave their bounds in the equilibrium at a drive (n, 3), and make these bounds tighter."""
-    if not find_near(own, q):
-        return False
-    found = False
-    for i in range(own.tensions.shape[0]):
-        stretch = own.body.lines[i, t.COMPLIANCE] * own.trial_tensions[i]
-        if stretch > max(own.stretches[i, 1] * (1.0 - 0.5 * TENSION_INSET), own.began[i]):
-            own.tighter[i] += TIGHTER * (stretch - _greatest(own, i))
-            found = True
-    return found

@@ -41,7 +41,6 @@ from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.kernels.velocity import layout as v
 from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING, constrained_step
 from sinuous.kernels.velocity.body import (
-    TIGHTENED,
     RestingBody,
     add_resting_contacts,
     add_tensions,
@@ -49,7 +48,6 @@ from sinuous.kernels.velocity.body import (
     move_body,
     move_freely,
     see_rows,
-    tighten,
 )
 from sinuous.kernels.velocity.bounds import add_actuators, size_of, take
 from sinuous.kernels.velocity.contacts import ContactGaps, add_contacts, add_self_contacts
@@ -187,30 +185,6 @@ def _list_bounds(
     return count, lack
 
 
-def _keep_tensions(
-    problem: Problem,
-    asked: StepRequest,
-    control: Control,
-    resting: RestingBody | None,
-    start: Array,
-    bounds: int,
-    mu: float,
-    most: float,
-    count: int,
-) -> int:
-    """Make a step again while tensions at its end leave their bounds; returns the size of the working set."""
-    if resting is None:
-        return count
-    for _ in range(TIGHTENED):
-        if not tighten(resting, control.trial):
-            break
-        first = add_actuators(asked, control, start, 0)
-        add_tensions(problem, control, resting, first, asked.actuators.shape[0])
-        count = constrained_step(problem, asked, control, start, bounds, mu, most)
-        take(problem, asked, control, start)
-    return count
-
-
 def _is_rated(problem: Problem, asked: StepRequest) -> bool:
     """Whether rates limit all that can move."""
     for k in range(problem.limits.shape[0]):
@@ -256,7 +230,6 @@ def advance(problem: Problem, asked: StepRequest, control: Control, start: Array
         )
         count = constrained_step(problem, asked, control, start, bounds, mu, most)
         take(problem, asked, control, start)
-        count = _keep_tensions(problem, asked, control, control.body, start, bounds, mu, most, count)
         rounds += 1
         if asked.rounds == 1:
             _limit_travel(problem, asked, control, problem.unit * math.sqrt(merit) + lack, lack)
@@ -297,7 +270,8 @@ def _reached(problem: Problem, control: Control, start: Array) -> tuple[Vec, Vec
     return turn, add(move, cross(turn, arm))
 
 
-def _shorten(control: Control, start: Array, fraction: float) -> None:
+def shorten(control: Control, start: Array, fraction: float) -> None:
+    """Leave so much of the way from `start` to `control.trial`."""
     for k in range(start.shape[0]):
         for i in range(3):
             control.trial[k, i] = start[k, i] + fraction * (control.trial[k, i] - start[k, i])
@@ -342,7 +316,7 @@ def _leave_contact(problem: Problem, control: Control, start: Array) -> float:
         copy(control.trial, control.working.pull)
         if _least_gap(problem, control, control.working.pull, ahead) >= gap:
             return fraction
-        _shorten(control, start, 0.5)
+        shorten(control, start, 0.5)
         fraction *= 0.5
     copy(start, control.trial)
     return 0.0
@@ -359,7 +333,7 @@ def _prove(problem: Problem, control: Control, start: Array, answer: Array) -> N
     if verdict == CLEAR:
         return
     if until > 0.0:
-        _shorten(control, start, SHY * until)
+        shorten(control, start, SHY * until)
         answer[STEP_FRACTION] = SHY * until
         return
     answer[START], _, _ = look_at(problem, control, start)

@@ -19,7 +19,7 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness.experiment import Divided, Experiment, Plan
-from benchmarks.harness.lines import Goal, Line, Times, exponent, span
+from benchmarks.harness.lines import Goal, Line, Times, number
 from benchmarks.judges.judge import Flags, right
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems import (
@@ -385,12 +385,14 @@ def _growth(sizes: Sequence[int], shares: Sequence[Mapping[str, Any]]) -> Iterat
     curves: dict[str, dict[int, float]] = {}
     for i, size in enumerate(sizes):
         own = shares[i :: len(sizes)]
-        yield from lines_of(f"{size} segments", own, lambda _, records: f"{span(_iteration(records))} an iteration")
+        yield from lines_of(f"{size} segments", own, lambda _, some: f"{number(_iteration(some), 'us')} an iteration")
         for label in {label: None for each in own for label in each["records"]}:
             records = [record for each in own for record in each["records"][label]]
             curves.setdefault(label, {})[size] = _iteration(records)
     for label, curve in curves.items():
-        fitted = exponent(list(curve), list(curve.values())) if len(curve) > 1 else float("nan")
+        if len(curve) < 2:
+            continue
+        fitted = float(np.polyfit(np.log(list(curve)), np.log(list(curve.values())), 1)[0])
         yield Line("time of an iteration grows as the number of segments to the power of", label, fitted, "", Goal(1.1))
 
 

@@ -32,11 +32,6 @@ class Times:
         return cls(len(values), median, p95, p99, float(values.max()))
 
 
-def exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
-    """Slope of the straight line through log(seconds) against log(sizes), by least squares."""
-    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
-
-
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6}
 """Units of time, and how many of them a second has; other units are those of the number itself."""
 
@@ -124,17 +119,6 @@ def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
         cells = [cell.ljust(width) if first else cell.rjust(width) for cell, width, first in placed]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
-
-
-def span(seconds: float) -> str:
-    """Text of a time in the unit that suits it, to three digits."""
-    if not math.isfinite(seconds):
-        return "none"
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        value = seconds / size
-        if value >= 0.9995:
-            return f"{value:.{2 if value < 9.995 else 1 if value < 99.95 else 0}f} {unit}"
-    return f"{1e9 * seconds:.0f} ns"
 
 
 HEADINGS = ["what", "goal", "reached", "", "solved", "runs", "median", "p95", "p99", "worst"]

@@ -87,9 +87,6 @@ LEFT_OUT = ("robot", "scene", "problem", "motor", "seconds", "prepare_seconds", 
 WORDS = ("sentence", "misses", "untried", "notes", "note", "words", "deciding")
 """Keys of what is said in words, and may be said in others."""
 
-ADDED = ("place", "step", "time", "in_solid")
-"""Keys that answers of earlier versions do not have: what these do not say is no difference."""
-
 ROOT = Path(__file__).parents[1]
 
 CHANGING = re.compile(rf"/[^\s']*/tmp\w{{8}}|{re.escape(str(ROOT))}|0x[0-9a-f]+")
@@ -160,8 +157,7 @@ def differences(before: Any, after: Any, key: str = "") -> Iterator[Difference]:
     """Yield where plain values differ; NaN is equal to NaN, and 0.0 is not -0.0."""
     if isinstance(before, dict) and isinstance(after, dict):
         for name in {**before, **after}:
-            if name not in ADDED or name in before:
-                yield from differences(before.get(name), after.get(name), f"{key}.{name}" if key else name)
+            yield from differences(before.get(name), after.get(name), f"{key}.{name}" if key else name)
     elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
         for i, (one, other) in enumerate(zip(before, after, strict=True)):
             yield from differences(one, other, f"{key}[{i}]")

@@ -11,7 +11,7 @@ from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.planning.shortcuts import Exactness, Path, bound_worst, forget_edges, joins, shorten, skip
-from sinuous.kernels.planning.space import Space, measure_levers
+from sinuous.kernels.planning.space import Space
 from sinuous.kernels.planning.trees import GONE, GrowthTerms, Trees, cut, grow, path_through, plant, prove_trees
 from sinuous.kernels.problem import Robot, read_robot
 from sinuous.kernels.tables import RIGID
@@ -39,7 +39,7 @@ draw, and the one after the last; how many shortcuts are tried."""
 
 
 def plan_size(segments: int, nodes: int) -> int:
-    """Numbers (float64) of the workspace of a plan with at most so many nodes a tree."""
+    """Numbers (float64) of the workspace of a plan with at most so many nodes a tree; first, the squares of levers."""
     q = 3 * segments
     return segments + 2 * CLEARANCES_WIDTH + 3 * q + 2 * nodes * (q + 1) + 2
 
@@ -132,7 +132,6 @@ def _prepare(
     sweep = carve_sweep(scratch, own.base, n, around.table.shape[0])
     levers, seen = workspace[:n], shaped(workspace[n : n + 2 * CLEARANCES_WIDTH], (2, CLEARANCES_WIDTH))
     rest = workspace[n + 2 * CLEARANCES_WIDTH :]
-    measure_levers(own.limits, levers)
     begin(sweep.clock)
     allow(sweep.clock, seconds)
     keep_reachable(own.limits, frame(own.base, 0)[1], around, sweep)

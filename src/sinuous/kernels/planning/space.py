@@ -24,7 +24,6 @@ from sinuous.kernels.certificate.sweep import Motion, at_time
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.step.actuation import admissible_step, settle
 from sinuous.kernels.step.limits import scattered, uniform
-from sinuous.kernels.tables import LINK, MAX_LENGTH, MIN_LENGTH, ONWARD, RIGID
 
 MOTION_PARTS = 8
 """Into how many parts a long motion is divided by the configurations that are examined before it is proved."""
@@ -39,18 +38,6 @@ NEAR = 3.0
 Space = namedtuple("Space", ["robot", "scene", "mount", "levers", "sweep", "seen"])
 """The robot and the scene; length of backbone that obstacles do not concern; squares of the levers (n,); the scratch of
 the proof, and what it saw (2, 6)."""
-
-
-def measure_levers(limits: Array, levers: Array) -> None:
-    """Fill the squares of the levers (n,) of segments (n, 35) of mean length."""
-    beyond = 0.0
-    for k in range(limits.shape[0] - 1, -1, -1):
-        if limits[k, RIGID] == LINK:
-            beyond, levers[k] = max(beyond, limits[k, ONWARD]), 0.0
-            continue
-        length = 0.5 * (limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])
-        levers[k] = (beyond + 0.5 * length) * (beyond + 0.5 * length)
-        beyond += length + limits[k, ONWARD]
 
 
 def squared_distance(p: Array, q: Array, levers: Array, most: float) -> float:

@@ -33,9 +33,6 @@ RUN = 0.75
 LITTLE = 0.05, 0.5
 """How much of the way from a node to what was drawn is gone when all segments change."""
 
-MOST_NODES = 4096
-"""Of a tree; then both are planted anew: the time that such trees take has a heavy tail."""
-
 
 class Reached(NamedTuple):
     """The last node on the way to a configuration, and whether that is the configuration."""
@@ -56,15 +53,15 @@ class ContactRetractionTrees:
     def __init__(self, local: LocalPlanner, seed: int) -> None:
         self._local, self._rng = local, np.random.default_rng(seed)
         robot = local.robot
-        self._chains: tuple[list[Chain], list[Chain]] = ([], [])
+        self._planted = [0, 0]
         self._trees = (Tree(robot), Tree(robot))
         self._draws = 0
 
     def plant(self, side: int, chains: list[Chain]) -> None:
         """Plant those chains of all that are known on one side that are not in its tree yet."""
-        for chain in chains[len(self._chains[side]) :]:
-            self._chains[side].append(chain)
+        for chain in chains[self._planted[side] :]:
             self._trees[side].plant(chain)
+        self._planted[side] = len(chains)
 
     def grow(self, draws: int) -> Chain | None:
         """Grow by so many draws; return configurations (n, 3) from the start to a goal where the trees meet."""
@@ -72,18 +69,10 @@ class ContactRetractionTrees:
             if self._local.deadline.left() <= 0.0:
                 break
             self._draws += 1
-            if max(map(len, self._trees)) > MOST_NODES:
-                self._plant_anew()
             met = self._grow_once(self._draws % 2, self._room())
             if met is not None:
                 return met
         return None
-
-    def _plant_anew(self) -> None:
-        chains, robot = self._chains, self._local.robot
-        self._chains, self._trees = ([], []), (Tree(robot), Tree(robot))
-        for side in (0, 1):
-            self.plant(side, chains[side])
 
     def _room(self) -> float:
         """The room of the next steps, in radii: little mostly, none or more of it now and then."""

@@ -16,7 +16,7 @@ from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.path_pacing import pace_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
-from sinuous.motion.planning.retraction import FIRST, KINDS, Retraction
+from sinuous.motion.planning.retraction import KINDS, Retraction
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.timed_tree import grow_timed_tree
 from sinuous.motion.planning.tree import Chain
@@ -149,7 +149,7 @@ class PlanSearch:
         query, path = self._query, None
         for goal in self._goals[FIRST_GOALS - 1 :: -1] if query.robot.segments else ():
             made = Retraction(self._local, goal, 0, query.start)
-            made.run(FIRST_STEPS, FIRST)
+            made.run(FIRST_STEPS)
             path = path or self._join([query.start], [made.knots], query.seed, FIRST_DRAWS)
         return path
 

@@ -13,6 +13,7 @@ from sinuous.kernels.certificate.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.certificate.sweep import sweep_size
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
 from sinuous.model.robot import Robot, robot_group
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.planning.query import Deadline, ProvedPath
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, unproved
@@ -38,6 +39,7 @@ class RRTConnect:
         nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
         self._scene, self._robot, self._given_prover = scene, robot, prover
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
+        self._workspace[:n] = lever_metric(robot)[:, 0] ** 2
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
 
     def grow(

@@ -1,8 +1,9 @@
-"""What many tests need: samples at the delicate places, and the exponential map by other code."""
+"""What many tests need: cases, refusals, samples at the delicate places, and the exponential map by other code."""
 
+import inspect
 import math
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache, partial
+from functools import lru_cache, partial, wraps
 from typing import Any
 
 import numpy as np
@@ -227,3 +228,38 @@ NOT_VECTORS: Sequence[Any] = (
     [[1.0, 2.0, 3.0]],
 )
 """Nothing that a point may be."""
+
+
+Test = Callable[..., None]
+
+
+def with_each(
+    names: str | tuple[str, ...], cases: Iterable[Any] | Callable[[], Iterable[Any]]
+) -> Callable[[Test], Test]:
+    """Try a test with each of these cases, given as to `pytest.mark.parametrize`; an error names the case.
+
+    Of many small cases: pytest alone takes longer for a test of its own than such a case does.
+
+    A function that returns cases is called by the test: what takes long, or compiles, is not made while tests are
+    collected, when the other processes wait.
+    """
+    keys = (names,) if isinstance(names, str) else names
+    given = list(cases) if isinstance(cases, Iterable) else cases  # an enumeration can be called, too
+
+    def all_of(test: Test) -> Test:
+        @wraps(test)
+        def tried(**others: Any) -> None:
+            for one in given() if callable(given) else given:
+                case = dict(zip(keys, (one,) if isinstance(names, str) else one, strict=True))
+                try:
+                    test(**others, **case)
+                except Exception as error:
+                    error.add_note(f"with {case}")
+                    raise
+
+        signature = inspect.signature(test)
+        rest = [one for name, one in signature.parameters.items() if name not in keys]
+        tried.__signature__ = signature.replace(parameters=rest)  # type: ignore[attr-defined]
+        return tried
+
+    return all_of

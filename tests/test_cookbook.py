@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
+from tests.helpers import with_each
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "cookbook.md").read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from benchmarks.methods import FAITHFUL
 from sinuous.cli.app import app, main
 from sinuous.files.nouns import KEYS, keys_of
 from sinuous.methods.method import LIMITS, METHODS, capabilities
-from tests.cases import with_each
+from tests.helpers import with_each
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
+from tests.helpers import with_each
 from tests.public import ENTRANCES
 
 MOVED = [(name, home) for home, names in sn._MOVED.items() for name in names.split()]  # type: ignore[attr-defined]

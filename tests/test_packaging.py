@@ -12,7 +12,7 @@ from packaging.version import Version
 
 import sinuous
 from sinuous.kernels.compile.sources import TRIED
-from tests.cases import with_each
+from tests.helpers import with_each
 
 ROOT = Path(__file__).parent.parent
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))

@@ -19,8 +19,7 @@ from sinuous.base.frozen import LONGEST, text
 from sinuous.files.joint_chain import JointChain
 from sinuous.studies.designing.design import Design
 from sinuous.studies.workspace.reach import Verdict
-from tests.cases import with_each
-from tests.helpers import refused
+from tests.helpers import refused, with_each
 from tests.scene.shapes import cube
 
 LONG = "a name that goes on and on and on until nobody wants to read it any more"

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from tests.cases import with_each
-from tests.helpers import refused, refused_each
+from tests.helpers import refused, refused_each, with_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), max_bend=1.6, radius=4)
 BALL = sn.Sphere((0, 100, 100), radius=10, name="ball")

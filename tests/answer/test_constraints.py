@@ -5,8 +5,7 @@ import pytest
 
 from sinuous import Actuators, Chambers, Robot, Segment, Tendons
 from sinuous.model.limits import normal
-from tests.cases import with_each
-from tests.helpers import Floats
+from tests.helpers import Floats, with_each
 
 ROBOT = Robot(
     [

@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 from sinuous import Problem, Robot, Target, pose
 from sinuous.answer.residual import descend_within_limits, residual_of, rotation_between
 from sinuous.model.limits import nonnegative_least_squares
-from tests.cases import with_each
-from tests.helpers import Floats, random_pose
+from tests.helpers import Floats, random_pose, with_each
 
 ROBOT = Robot.uniform(
     3, (0.5, 1.0), 2.5, base=pose((1, 2, 3), direction=(0, 1, 1)), tool=pose((0.1, 0, 0.2), direction=(1, 0, 1))

@@ -8,8 +8,7 @@ import pytest
 from sinuous import Box, Problem, Robot, Scene, Segment, Solver, Sphere, Status, Target, Tolerance, pose
 from sinuous.answer.status import unreachable
 from sinuous.kernels.tables import OUT_OF_REACH
-from tests.cases import with_each
-from tests.helpers import random_pose
+from tests.helpers import random_pose, with_each
 from tests.kernels.solve.test_verdicts import TOLERANCE, extreme, robots, verdict
 
 ROBOT = Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)

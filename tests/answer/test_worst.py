@@ -11,8 +11,7 @@ from sinuous import Box, Problem, Robot, Sphere, Target, pose
 from sinuous.answer.verification import verify
 from sinuous.answer.worst import Worst, contacts_of, find_overlap, find_worst
 from sinuous.measures.body import BodyPlace, least_clearance, segment_ends
-from tests.cases import with_each
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, refused, with_each
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), 1.0, radius=0.1)
 UNITS = {"angle": 1.0, "bend": 1.0, "curvature": 1.0}

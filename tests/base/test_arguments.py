@@ -18,7 +18,7 @@ from sinuous.model.segment import SegmentArguments
 from sinuous.problem.problem import ProblemArguments
 from sinuous.problem.target import TargetArguments
 from sinuous.solver.options import SolveArguments, SolveOptions
-from tests.cases import with_each
+from tests.helpers import with_each
 from tests.public import public_names
 
 

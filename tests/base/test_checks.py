@@ -10,8 +10,7 @@ import pytest
 
 from sinuous.base import checks
 from sinuous.base.errors import InputError
-from tests.cases import with_each
-from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
+from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each, with_each
 
 
 @with_each("value", NOT_NUMBERS)

@@ -19,8 +19,7 @@ import sinuous as sn
 from sinuous.base import errors
 from sinuous.base.system import pool_of
 from tests.base.processes import alive, until
-from tests.cases import with_each
-from tests.helpers import refused
+from tests.helpers import refused, with_each
 from tests.public import public_names
 
 ROBOT = sn.Robot.uniform(2, 50)

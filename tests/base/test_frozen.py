@@ -14,7 +14,7 @@ import sinuous as sn
 from sinuous.base.frozen import Frozen
 from sinuous.files.joint_chain import ChainJoint, JointChain, Link
 from sinuous.scene.obstacles import Placement
-from tests.cases import with_each
+from tests.helpers import with_each
 from tests.scene.shapes import cube
 
 ROBOT = sn.Robot(

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.experiment import Plan
-from tests.cases import with_each
+from tests.helpers import with_each
 
 
 def test_options_reach_the_measurement(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.files.joint_chain import joint_trajectory, write_json
 from sinuous.files.mjcf import DrivenChain
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 MIXED = sn.Robot(
     [

@@ -8,7 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.files.nouns import HEADERS, parse_path
-from tests.cases import with_each
+from tests.helpers import with_each
 
 
 def read(folder: Path, moving: str) -> sn.Moving:

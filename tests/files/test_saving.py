@@ -21,8 +21,7 @@ import sinuous as sn
 from sinuous.base.documents import result_value, yaml_text
 from sinuous.files.documents import json_line, parse_json, parse_yaml, result
 from sinuous.motion.job import job_of, read_problem
-from tests.cases import with_each
-from tests.helpers import random_pose, refused
+from tests.helpers import random_pose, refused, with_each
 from tests.model import test_elastic as elastic
 from tests.model.test_actuators import DRIVEN
 from tests.model.test_laws import robots

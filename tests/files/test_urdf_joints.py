@@ -10,10 +10,9 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.files import link_capsules
 from sinuous.model.joints import Fixed, LinkCapsule
-from tests.cases import with_each
+from tests.helpers import Floats, with_each
 
 SIX = """<robot name="six">
 <link name="world"/>

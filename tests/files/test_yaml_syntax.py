@@ -8,7 +8,7 @@ import yaml
 from sinuous.base.errors import InputError
 from sinuous.files import documents
 from sinuous.files.documents import parse_yaml
-from tests.cases import with_each
+from tests.helpers import with_each
 
 
 @pytest.fixture(params=["CSafeLoader", "SafeLoader"], autouse=True)

@@ -8,8 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures import obstacles
 from sinuous.measures.obstacles import Indices, least_distances, measure, that_matter, to_triangles
-from tests.cases import with_each
-from tests.helpers import Floats
+from tests.helpers import Floats, with_each
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
 
 OBSTACLES = [

@@ -13,8 +13,7 @@ import sinuous as sn
 from sinuous.base.arguments import MethodName
 from sinuous.methods import method as methods
 from sinuous.methods.method import LIMITS, METHODS, Options, choice, count, flag, number
-from tests.cases import with_each
-from tests.helpers import NOT_NUMBERS, refused, refused_each
+from tests.helpers import NOT_NUMBERS, refused, refused_each, with_each
 from tests.methods.laws import quick
 
 ARM = sn.Robot.uniform(5, (45, 70), 2.4)

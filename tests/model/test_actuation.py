@@ -9,8 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.kernels import tables as t
 from sinuous.model.actuation import Actuator
-from tests.cases import with_each
-from tests.helpers import Floats, refused, refused_each
+from tests.helpers import Floats, refused, refused_each, with_each
 
 MIXED = sn.Robot(
     [

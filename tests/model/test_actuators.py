@@ -11,8 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.model.actuation import Actuator
-from tests.cases import with_each
-from tests.helpers import NOT_NUMBERS, Floats, configurations, expm_chain, refused, refused_each
+from tests.helpers import NOT_NUMBERS, Floats, configurations, expm_chain, refused, refused_each, with_each
 
 LINES = (sn.Tendons, sn.Chambers)
 

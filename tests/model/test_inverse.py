@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, refused, with_each
 
 DRIVES = ("tendons", "chambers", "both")
 

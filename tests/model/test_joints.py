@@ -9,9 +9,8 @@ import pytest
 from scipy.linalg import expm
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint
-from tests.helpers import as_matrix, random_pose, random_unit, refused, refused_each, skew, twist_matrix
+from tests.helpers import Floats, as_matrix, random_pose, random_unit, refused, refused_each, skew, twist_matrix
 
 BODY: list[Any] = [{"from": [0.1, 0.0, 0.2], "to": [0.3, -0.2, 0.1], "radius": 0.05}, ((0, 0, 0), (0, 0, 0), 0.1)]
 

@@ -14,8 +14,7 @@ from sinuous.base.checks import direction as unit
 from sinuous.model.poses import as_pose, least_rotation, pose, rotation_matrix
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Box, Placement
-from tests.cases import with_each
-from tests.helpers import NOT_VECTORS, Floats, random_rotation, refused, refused_each
+from tests.helpers import NOT_VECTORS, Floats, random_rotation, refused, refused_each, with_each
 
 coordinates = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1e-8, -1e-16, 1e-100, -1e-200, 5e-324, 1.0, -1.0]))
 directions = st.tuples(coordinates, coordinates, coordinates).filter(any).map(lambda v: unit("direction", v))

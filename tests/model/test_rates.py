@@ -9,7 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.model.rates import Changes
 from sinuous.motion.job import job_of
-from tests.cases import with_each
+from tests.helpers import with_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=3))
 

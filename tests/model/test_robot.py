@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
 from tests.helpers import (
     NOT_NUMBERS,
     Floats,
@@ -20,6 +19,7 @@ from tests.helpers import (
     refused,
     refused_each,
     twist_of,
+    with_each,
 )
 
 

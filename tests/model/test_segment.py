@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
-from tests.helpers import refused, refused_each
+from tests.helpers import refused, refused_each, with_each
 
 
 def test_arc_parameters_there_and_back() -> None:

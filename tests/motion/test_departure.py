@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
-from tests.cases import with_each
-from tests.helpers import refused
+from tests.helpers import Floats, refused, with_each
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
 PLATE = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))

@@ -8,7 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.following import body_places
 from sinuous.motion import leader
-from tests.cases import with_each
+from tests.helpers import with_each
 
 BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])
 STAGED = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), BEZIER.length)

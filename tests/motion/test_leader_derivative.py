@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.measures.following import line_in_front
 from sinuous.motion.leader_derivative import GROUPS, LeaderQuestion
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 CURVE = sn.Curve.bezier([(0, 0, 0), (0, 0.1, 1.6), (2, 0, 1.3)], 7)
 STAGED = sn.on_stage(sn.Robot.uniform(2, 1.0, radius=0.05), 1.1 * CURVE.length)

@@ -14,14 +14,12 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.arguments import Shortest
-from sinuous.base.checks import Floats
 from sinuous.kernels.packing import scales_of
 from sinuous.motion.configurations import random_configuration, within_limits
 from sinuous.motion.report import Report
 from sinuous.motion.shortening import metric_of
 from sinuous.solver.certificates.steps import Steps
-from tests.cases import with_each
-from tests.helpers import refused
+from tests.helpers import Floats, refused, with_each
 
 ROBOT = sn.Robot([sn.Segment((0.8, 1.2), 2.0, radius=0.05, tendons=sn.Tendons(3, 0.04)) for _ in range(3)])
 BALL = sn.Sphere((0.9, 0.0, 1.2), 0.3, name="ball")

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 ROBOT = sn.Robot.uniform(3, (40.0, 80.0), max_bend=1.6, radius=3.0)
 CURVED = sn.Robot.uniform(3, (40.0, 80.0), max_bend=1.6, max_curvature=0.02)

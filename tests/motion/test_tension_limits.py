@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.measures.statics import lacking_stretch, pulls
 from sinuous.statics.rest import Rest, Way
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 from tests.solver.test_tension_limits import arm
 
 SECONDS = 20.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.cases import with_each
+from tests.helpers import with_each
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
 CIRCLE = [

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
-from tests.cases import with_each
-from tests.helpers import refused
+from tests.helpers import Floats, refused, with_each
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
 SPARSE = [sn.Target((2.0 * np.cos(turn), 2.0 * np.sin(turn), 2.5)) for turn in np.linspace(0.0, 4.0, 6)]

@@ -17,11 +17,10 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.answer.solutions import column_names
-from sinuous.base.checks import Floats
 from sinuous.files.joint_chain import JointChain
 from sinuous.measures.following import body_places
 from sinuous.motion.knots import TipLine
-from tests.cases import with_each
+from tests.helpers import Floats, with_each
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.4, radius=4, tendons=sn.Tendons(3, radius=4))
 FAR = sn.Sphere((0, 0, 400), radius=10)

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from tests.cases import with_each
+from tests.helpers import with_each
 
 RNG = np.random.default_rng(4)
 POINTS = RNG.normal(size=(6, 3))

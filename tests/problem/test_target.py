@@ -16,8 +16,7 @@ import sinuous as sn
 from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
 from sinuous.model.poses import rotation_matrix
 from sinuous.problem.target import TipGoals, target_list, target_table
-from tests.cases import with_each
-from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
+from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each, with_each
 from tests.scene.shapes import cube
 
 ROBOT = sn.Robot.uniform(3, 1.0)

@@ -6,8 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.obstacles import measure
 from sinuous.scene.triangles import bodies_overlap, cuts_itself
-from tests.cases import with_each
-from tests.helpers import random_rotation, refused
+from tests.helpers import random_rotation, refused, with_each
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
 
 

@@ -19,8 +19,7 @@ from sinuous.measures.obstacles import measure
 from sinuous.scene.grids import sample_points
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.triangles import Integers
-from tests.cases import with_each
-from tests.helpers import Floats, kernel_scene, random_rotation, vec
+from tests.helpers import Floats, kernel_scene, random_rotation, vec, with_each
 from tests.scene import shapes
 
 Oracle = Callable[[Floats], Floats]

@@ -12,8 +12,7 @@ import pytest
 
 from sinuous.base.errors import InputError
 from sinuous.scene.grids import MOST, Field, Grid
-from tests.cases import with_each
-from tests.helpers import NOT_NUMBERS, NOT_VECTORS, Floats, refused, refused_each
+from tests.helpers import NOT_NUMBERS, NOT_VECTORS, Floats, refused, refused_each, with_each
 
 ORIGIN = (-1.0, -2.0, -3.0)
 SPACING = 0.5

@@ -13,8 +13,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.obstacles import measure
 from sinuous.scene import mesh_files, triangles
-from tests.cases import with_each
-from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
+from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each, with_each
 from tests.scene.shapes import ball, cube, inverted, soup, together
 
 trimesh = pytest.importorskip("trimesh")

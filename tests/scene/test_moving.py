@@ -8,8 +8,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
-from tests.cases import with_each
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, refused, with_each
 from tests.scene.shapes import cube
 
 RNG = np.random.default_rng(0)

@@ -9,8 +9,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere, rows_of
-from tests.cases import with_each
-from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
+from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each, with_each
 
 VECTORS: list[tuple[str, Callable[[Any], Any]]] = [
     ("center", lambda v: Sphere(v, 1)),

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.scene.point_cloud import PointCloud, expand_lzf, parse_pcd
-from tests.cases import with_each
-from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
+from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each, with_each
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)).round(3)
 

@@ -10,8 +10,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from tests.cases import with_each
-from tests.helpers import Floats, random_rotation, refused, refused_each
+from tests.helpers import Floats, random_rotation, refused, refused_each, with_each
 
 OBSTACLES = [
     sn.Sphere((0, 0, 0), 1),

@@ -7,8 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import sinuous as sn
-from tests.cases import with_each
-from tests.helpers import Floats
+from tests.helpers import Floats, with_each
 
 LOW, HIGH, SPACING = (-1.0, -1.0, -0.5), (1.0, 1.0, 1.5), 0.05
 ROBOT = sn.Robot.uniform(3, (0.2, 0.5), 1.5, radius=0.04)

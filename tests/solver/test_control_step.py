@@ -11,8 +11,7 @@ import sinuous as sn
 from sinuous.answer.step import Active
 from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING
 from sinuous.kernels.velocity.bounds import RATE_INSET
-from tests.cases import with_each
-from tests.helpers import Floats
+from tests.helpers import Floats, with_each
 
 N = 5
 ROBOT = sn.Robot.uniform(N, (45, 70), max_bend=2.4, radius=4, tendons=sn.Tendons(3, radius=3))

@@ -13,9 +13,8 @@ import pytest
 
 import sinuous as sn
 from sinuous.answer.solutions import Solutions
-from sinuous.base.checks import Floats
 from sinuous.solver.many import LARGEST_CALL
-from tests.helpers import refused, refused_each
+from tests.helpers import Floats, refused, refused_each
 from tests.methods.laws import shapes
 
 ARM = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.05)

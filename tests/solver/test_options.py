@@ -27,8 +27,7 @@ from sinuous.methods.method import METHODS, capabilities
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver.attempts import StartBatch
 from sinuous.solver.options import ATTEMPTS, SolveOptions
-from tests.cases import with_each
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, refused, with_each
 from tests.methods.laws import quick
 
 ROBOT = sn.Robot.uniform(2, 1.0)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.kernels.tables import CLEARANCE_MARGIN
-from tests.cases import with_each
+from tests.helpers import Floats, with_each
 
 EXACT = sn.Tolerance(1e-6, 1e-6)
 KINDS = ("position", "direction", "rotation")

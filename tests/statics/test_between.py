@@ -7,12 +7,11 @@ import pytest
 from scipy.optimize import minimize
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.measures.statics import _energy, _tensions, imbalance
 from sinuous.statics.between import bounded, leave
 from sinuous.statics.body import body_of
 from sinuous.statics.rest import Rest, Way
-from tests.cases import with_each
+from tests.helpers import Floats, with_each
 
 STEP = 1.5e-8
 """Of differences."""

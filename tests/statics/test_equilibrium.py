@@ -10,8 +10,7 @@ from scipy.linalg import expm
 
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
-from sinuous.base.checks import Floats
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 ROD = sn.Stiffness(bend=1.0, twist=0.7, stretch=40.0)
 SOFT: dict[str, Any] = {"stiffness": ROD, "mass": 0.3, "arcs": 4, "gravity": (0.3, 0.0, -2.0)}

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.statics.equilibrium import Equilibrium, find_equilibrium
 from sinuous.statics.response import GROUPS
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 ROD = sn.Stiffness(bend=1.0, twist=0.7, stretch=40.0)
 LOADS = sn.Force((0.4, -0.6, 0.3), (0.1, 0.2, -0.1), position=(0.05, 0.0, 0.1)), sn.Payload(0.1, (0.0, 0.02, 0.0), 1)

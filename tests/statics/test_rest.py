@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.statics.rest import Rest
-from tests.cases import with_each
+from tests.helpers import with_each
 
 STEP = 1e-6
 

@@ -24,9 +24,8 @@ from benchmarks.derivatives import (
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.residual import residual_of
 from sinuous.base.arguments import Parameter
-from sinuous.base.checks import Floats
 from sinuous.kernels.packing import scales_of
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 TOLERANCE = 1e-6
 """Relative difference up to which a derivative agrees."""

@@ -20,8 +20,7 @@ from benchmarks.judges.self_collision import FINEST, look, surely_clear
 from benchmarks.motion.limits import KINDS, arm, drawn, is_false, most_pulled
 from benchmarks.problems import random_configurations
 from benchmarks.wild.worlds import clutter
-from sinuous.base.checks import Floats
-from tests.cases import with_each
+from tests.helpers import Floats, with_each
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
 """One configuration of `ARM`, from the origin to (0, 0, 3)."""

@@ -8,7 +8,7 @@ from benchmarks.judges.primitives import KINDS, distances_to
 from benchmarks.wild.worlds import clutter
 from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Primitive, Sphere
-from tests.cases import with_each
+from tests.helpers import with_each
 
 ODD = [
     Sphere((0, 0, 0), 1, inside=True),

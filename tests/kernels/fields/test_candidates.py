@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
 from sinuous.kernels.fields.distances import beside
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE
 from sinuous.scene import parts
 from sinuous.scene.snapshot import Snapshot
-from tests.helpers import kernel_scene, random_pose, random_unit
+from tests.helpers import Floats, kernel_scene, random_pose, random_unit
 from tests.kernels.fields.patches import patch_of, points_of
 from tests.scene import shapes
 

@@ -6,11 +6,10 @@ import numpy as np
 
 import sinuous as sn
 from sinuous.answer.verification import verify
-from sinuous.base.checks import Floats
 from sinuous.kernels import tables
 from sinuous.kernels.clock import DEADLINE, STRIDE, WORK
 from sinuous.kernels.solve.clearance import CLEARANCE_STEPS, GRAZING, increase_clearance
-from tests.helpers import kernel_problem
+from tests.helpers import Floats, kernel_problem
 from tests.kernels.workspace import NEVER, make_workspace
 
 ROBOT = sn.Robot.uniform(5, (45.0, 70.0), 2.4, radius=4.0)

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.base.checks import Floats
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 from tests.studies.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points
 
 COUNT = 60

@@ -11,13 +11,12 @@ import pytest
 
 import sinuous as sn
 from sinuous.answer.verification import verify
-from sinuous.base.checks import Floats
 from sinuous.cli.app import main
 from sinuous.model.segment import straight
 from sinuous.studies.designing import find
 from sinuous.studies.designing.design import Design
 from sinuous.studies.designing.search import RobotCandidates, RobotSearch, Space
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 
 TEMPLATE = sn.Robot.uniform(3, 100.0, max_bend=2.0, radius=2.0, tendons=sn.Tendons(3, 2.0))
 TASKS = {

@@ -22,8 +22,7 @@ from sinuous.view.display.surfaces import MOST_POINTS, Dotted, obstacle_surface,
 from sinuous.view.page.model import PageModel
 from sinuous.view.page.status import find_nearest, judge_shape
 from sinuous.view.pictures.paint import normals_of
-from tests.cases import with_each
-from tests.helpers import Floats
+from tests.helpers import Floats, with_each
 from tests.scene.shapes import cube
 
 pytest.importorskip("matplotlib").use("agg")

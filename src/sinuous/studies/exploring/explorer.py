@@ -15,8 +15,7 @@ from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric, random_configuration, violated_by
 from sinuous.motion.plan import PlanWork, Workspaces
-from sinuous.motion.planning.planners import find_path
-from sinuous.motion.planning.query import Deadline, Query
+from sinuous.motion.planning.query import Deadline
 from sinuous.problem.target import Target
 from sinuous.scene.scene import Scene
 from sinuous.solver.options import SolveOptions
@@ -33,8 +32,8 @@ MOST_LINKS, LINK_TRIES = 4, 8
 LINK_DRAWS = 64
 """Draws of trees where none of these is clear."""
 
-JOIN_DRAWS, JOIN_TURNS = 1024, 6
-"""Draws of trees between two parts, and turns of all planners where these do not meet."""
+JOIN_DRAWS = 1024
+"""Draws of trees between two parts."""
 
 LEAST_FRACTION = 1e-3
 """Least share of the way towards a random shape; shares are drawn evenly on a logarithmic scale."""
@@ -153,11 +152,7 @@ class Explorer:
 
     def _join(self, work: PlanWork, found: "_Found", begin: Floats, own: int, task: "_Task") -> None:
         """Find a way from a shape to one of those nearby."""
-        near, seed, deadline = task.near, task.seed, task.deadline
-        path = work.trees.grow(np.stack([begin, *near]), seed, (0, JOIN_DRAWS), deadline)
-        if path is None and seed % 4 == 0 and deadline.left() > 0.0:
-            query = Query(self.robot, work.scene, begin, lambda _: near, seed, deadline)
-            path = find_path(query, work.trees, JOIN_TURNS)
+        path = work.trees.grow(np.stack([begin, *task.near]), task.seed, (0, JOIN_DRAWS), task.deadline)
         if path is not None:
             found.add_way(own, path.q, task)
 

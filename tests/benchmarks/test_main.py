@@ -56,7 +56,7 @@ def test_parts_are_those_that_a_pattern_fits(name: str, pattern: str, first: str
     [
         (["nothing"], "NAME"),
         (["table1", "--piece", "p3"], "--piece"),
-        (["wild", "--without", "gates"], "--without"),
+        (["wild", "--without", "bottleneck"], "--without"),
         (["clutter", "--quick", "--without", "hops"], "without"),
         (["wild", "--rounds", "0"], "--rounds"),
         (["speed", "--rounds", "2"], "--rounds"),

@@ -52,7 +52,7 @@ def test_every_field_is_kept() -> None:
         "max_starts": 7,
         "seed": 3,
         "routes": False,
-        "without": ("gates",),
+        "without": ("bottleneck",),
         "memory": sn.Memory(ROBOT),
         "clearance": 0.5,
         "self_clearance": 0.25,
@@ -66,6 +66,11 @@ def test_every_field_is_kept() -> None:
 @with_each(("key", "value"), [(key, value) for key, values in WRONG.items() for value in values])
 def test_wrong_values_are_refused_by_name(key: str, value: Any) -> None:
     refused(key, lambda: SolveOptions(**{key: value}))
+
+
+def test_old_names_of_attempts_are_answered_with_new_ones() -> None:
+    with pytest.warns(DeprecationWarning, match="'gates' is 'bottleneck' now"):
+        assert SolveOptions(without=("gates", "cells")).without == ("cells", "bottleneck")
 
 
 @pytest.mark.parametrize(
@@ -109,13 +114,13 @@ NOTHING = initial(0)
 PLACES = [
     ("open pipe 1.6", 1, ("base_tube",)),
     ("two tubes", 2, ("base_tube",)),
-    ("cells", 0, ("edges", "laid")),
+    ("cells", 0, ("edges", "fitted")),
     ("cells pipe", 4, ("edges", "side_tubes", "grown")),
-    ("cells", 1, ("cells", "laid")),
+    ("cells", 1, ("cells", "fitted")),
     ("two tubes", 2, ("cells", "grown")),
     ("cells", 1, ("edges", "grown")),
-    ("folded", 0, ("cells", "gates")),
-    ("door in mesh", 54, ("edges", "gates")),
+    ("folded", 0, ("cells", "bottleneck")),
+    ("door in mesh", 54, ("edges", "bottleneck")),
     ("door in mesh", 54, ("cells", "detours")),
     ("two doors", 0, ("unguided",)),
 ]
@@ -145,7 +150,11 @@ def test_each_attempt_leads_to_a_solution_by_itself(family: str, number: int, na
 @pytest.mark.parametrize("tool", [False, True])
 @pytest.mark.parametrize(
     ("family", "number", "names"),
-    [("two tubes", 2, ("cells", "grown")), ("door in mesh", 54, ("edges", "gates")), ("two tubes", 2, ("unguided",))],
+    [
+        ("two tubes", 2, ("cells", "grown")),
+        ("door in mesh", 54, ("edges", "bottleneck")),
+        ("two tubes", 2, ("unguided",)),
+    ],
 )
 def test_chains_from_both_ends_meet_whatever_is_asked(
     family: str, number: int, names: tuple[str, ...], tool: bool, asked: str

@@ -6,6 +6,7 @@ from typing import Any, TypedDict
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Truth, Whole
+from sinuous.base.entrance import warn_moved
 from sinuous.base.errors import InputError, refuse_unknown
 from sinuous.methods.method import Choice, name_of
 from sinuous.model.robot import Robot, demanding
@@ -29,15 +30,18 @@ ATTEMPTS = {
     EDGES: "a route around edges",
     SIDE_TUBES: "a route through tubes that open beside edges",
     "cells": "routes over the cells of a grid, coarse and then fine ones",
-    "laid": "chains fitted to routes",
+    "fitted": "chains fitted to routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "detours": "chains grown along routes that are led aside until they are as long as the robot",
     "unguided": "chains grown at random from both ends, without a route, and joined where they nearly meet",
-    "gates": "chains through the narrowest place of a route, of which each half is solved by itself",
+    "bottleneck": "chains through the narrowest place of a route, of which each half is solved by itself",
     ROOTS: "routes and chains from several places where the robot may begin to bend: with joints, or on a long stage",
     "passages": "routes through other passages; for `solve_all` those that no solution leads through yet",
 }
 """All attempts, by the names with which they are switched off, and what each makes."""
+
+RENAMED_ATTEMPTS = {"laid": "fitted", "gates": "bottleneck"}
+"""New names of attempts by those that they had before."""
 
 
 def read_without(names: object) -> tuple[str, ...]:
@@ -48,14 +52,19 @@ def read_without(names: object) -> tuple[str, ...]:
     InputError
         Where one is not known.
     """
-    listed = (names,) if isinstance(names, str) else names
+    given = (names,) if isinstance(names, str) else names
     expected = "names of attempts: " + ", ".join(ATTEMPTS)
-    if not isinstance(listed, list | tuple | set | frozenset):
+    if not isinstance(given, list | tuple | set | frozenset):
         raise InputError("without", "", names, expected)
-    for name in listed:
-        if not isinstance(name, str) or name not in ATTEMPTS:
+    off = set()
+    for name in given:
+        now = RENAMED_ATTEMPTS.get(name, name) if isinstance(name, str) else None
+        if now not in ATTEMPTS:
             raise InputError("without", "is not known", name, expected)
-    return tuple(name for name in ATTEMPTS if name in listed)
+        if now != name:
+            warn_moved(f"without: {name!r}", repr(now), 2)
+        off.add(now)
+    return tuple(name for name in ATTEMPTS if name in off)
 
 
 class SolveArguments(TypedDict, total=False):

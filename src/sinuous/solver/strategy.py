@@ -545,14 +545,14 @@ class RouteAttempts:
         noted = [self._candidates.add_route(route, finest) for route in routes]
         if noted[0] is not None:
             if not self._question.several:
-                self._add_gates(noted[0])
+                self._add_bottleneck(noted[0])
             self._add_grown(noted[0])
             if not self._question.several:
                 self._add_detour(noted[0], first=0 if stowed else 3)
             if self._on_route is not None:
                 self._on_route(self._candidates, noted[0])
         priority = min(BOTTLENECK_EFFORTS.values()) if stowed else PRIORITY_AT_ONCE
-        self._attempts.add("laid", priority, partial(self._candidates.fitted_chains, routes), effort=0)
+        self._attempts.add("fitted", priority, partial(self._candidates.fitted_chains, routes), effort=0)
 
     def _add_along(
         self, name: str, candidate: RouteCandidate, effort: float, make: Callable[[], Iterator[StartBatch]]
@@ -587,10 +587,12 @@ class RouteAttempts:
         yield from self._candidates.detour_chains(candidate, number)
         self._add_detour(candidate, first, number + 1)
 
-    def _add_gates(self, candidate: RouteCandidate) -> None:
+    def _add_bottleneck(self, candidate: RouteCandidate) -> None:
         """Add chains through the narrowest place of a route."""
         for starts, effort in BOTTLENECK_EFFORTS.items():
-            self._add_along("gates", candidate, effort, partial(self._candidates.bottleneck_chains, candidate, starts))
+            self._add_along(
+                "bottleneck", candidate, effort, partial(self._candidates.bottleneck_chains, candidate, starts)
+            )
 
 
 def plans_of(searches: Searches) -> list[tuple[float, SearchPlan]]:

@@ -111,7 +111,7 @@ class RouteCandidates:
         self.enclosed = False
         self._without, self._problem, self._deadline = without, question.problem, question.deadline
         self._groups = searches.groups(question.problem)
-        self._halves: dict[int, BottleneckDecomposition] = {}
+        self._bottlenecks: dict[int, BottleneckDecomposition] = {}
         self._chains: dict[int, JoinedChains] = {}
         self._legs: dict[int, Floats | None] = {}
         self._too_small: dict[float, int] = {}
@@ -259,13 +259,13 @@ class RouteCandidates:
         legs = self.legs_of(candidate)
         if legs is None or self._deadline() <= 0.0 or not candidate.clear:
             return
-        if candidate.rank not in self._halves:
+        if candidate.rank not in self._bottlenecks:
             widths = np.stack([self.searches.widths_across(self._problem, leg) for leg in legs])
-            self._halves[candidate.rank] = BottleneckDecomposition(self._groups, legs, widths)
-        if not self._halves[candidate.rank].any:
+            self._bottlenecks[candidate.rank] = BottleneckDecomposition(self._groups, legs, widths)
+        if not self._bottlenecks[candidate.rank].any:
             return
         yield self._nothing()
-        for chain in self._halves[candidate.rank].chains(starts, self._deadline):
+        for chain in self._bottlenecks[candidate.rank].chains(starts, self._deadline):
             if self._is_new(chain):
                 yield starts_along(chain[None], (candidate.route,))
 

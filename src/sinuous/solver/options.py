@@ -1,12 +1,12 @@
 """What a solve may be told, in one place: for `Solver`, `solve`, `solve_all`, `track` and the command line."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypedDict
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Truth, Whole
-from sinuous.base.entrance import warn_moved
 from sinuous.base.errors import InputError, refuse_unknown
 from sinuous.methods.method import Choice, name_of
 from sinuous.model.robot import Robot, demanding
@@ -62,7 +62,7 @@ def read_without(names: object) -> tuple[str, ...]:
         if now not in ATTEMPTS:
             raise InputError("without", "is not known", name, expected)
         if now != name:
-            warn_moved(f"without: {name!r}", repr(now), 2)
+            warnings.warn(f"attempt {name!r} is {now!r} now", DeprecationWarning, stacklevel=2)
         off.add(now)
     return tuple(name for name in ATTEMPTS if name in off)
 

@@ -510,7 +510,8 @@ class RouteAttempts:
             self._attempts.add("cells", PRIORITY_AFTER_EDGES, partial(self._search, searches, False), effort=0)
             return
         (_, plan), *others = searches
-        found = candidates.search_cells(plan)
+        seconds = max(0.0, self._question.deadline())
+        found = self._searches.find(self._question.problem, candidates.query, plan, seconds)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
         self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
         if candidates.any_clear:

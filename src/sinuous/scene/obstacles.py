@@ -16,7 +16,7 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.arguments import Number, Orientation, Truth, Vector
 from sinuous.base.checks import Floats, readable
-from sinuous.base.documents import plain, pose_arguments
+from sinuous.base.documents import plain
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.kernels.packing import primitive_row, primitive_rows
@@ -40,6 +40,9 @@ def check_file(file: Path, kinds: Sequence[str]) -> None:
         raise InputError("file", "", str(file), "a name that ends in " + ", ".join(kinds))
     with readable(file), file.open("rb"):
         pass
+
+
+IDENTITY = checks.closed(np.eye(3))
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -72,7 +75,9 @@ class Placement(Frozen):
     @property
     def arguments(self) -> dict[str, Any]:
         """What makes an equal placement."""
-        return {"scale": self.scale, **(pose_arguments(self.pose) or {})}
+        position, rotation = self.pose[:3, 3], self.pose[:3, :3]
+        turn = None if np.array_equal(rotation, IDENTITY) else rotation
+        return {"scale": self.scale, "position": position if position.any() else None, "rotation": turn}
 
     def apply(self, points: Floats) -> Floats:
         """Map points (m, 3); what is not finite stays so."""
@@ -89,7 +94,7 @@ class Origin(NamedTuple):
     file : Path
         Absolute.
     arguments : dict
-        How it was read, in plain values: the keys that stand beside the file in a problem file.
+        How it was read: what stands beside the file in a problem file.
     parts : int
         Into how many obstacles, one after the other in their scene, it was divided.
     """
@@ -101,8 +106,7 @@ class Origin(NamedTuple):
     @classmethod
     def of(cls, file: str | Path, **arguments: Any) -> "Origin":
         """Remember a file and how it was read; what says nothing is left out."""
-        written = {key: plain(value) for key, value in arguments.items()}
-        return cls(Path(file).absolute(), {key: value for key, value in written.items() if value is not None})
+        return cls(Path(file).absolute(), {key: value for key, value in arguments.items() if value is not None})
 
     def entry(self, folder: Path) -> dict[str, Any]:
         """Return what a problem file in this folder says."""
@@ -110,10 +114,8 @@ class Origin(NamedTuple):
             name = Path(os.path.relpath(self.file, folder.absolute())).as_posix()
         except ValueError:  # on another drive
             name = str(self.file)
-        return {"file": name, **self.arguments}
-
-
-IDENTITY = checks.closed(np.eye(3))
+        own = {key: plain(value) for key, value in self.arguments.items()}
+        return {"file": name, **{key: value for key, value in own.items() if value is not None}}
 
 
 def box_around(points: Floats, reach: Floats | float) -> Floats:

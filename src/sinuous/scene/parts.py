@@ -21,7 +21,7 @@ from sinuous.scene import sampling
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.hierarchy import BOX_NUMBERS, PADDING
 from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.sampling import Progress
 from sinuous.scene.trees import enclose_in_order, tree_of_boxes
@@ -255,17 +255,15 @@ def _sharing(obstacle: Obstacle, many: int) -> int:
 
 
 def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None, many: int = 1) -> Part:
-    """Make what the kernels read of an obstacle, once for all scenes that it is in and that have about as `many`.
+    """Make what the kernels read of an obstacle of the store, once for all scenes with about as `many` of these.
 
-    `many` counts what is in the store: meshes, clouds and grids.
+    The store has meshes, clouds and grids.
 
     Raises
     ------
     InputError
         For a mesh that cuts through itself.
     """
-    if isinstance(obstacle, Primitive):
-        return Part(obstacle.row, NOTHING)
     if obstacle.place is not None:
         root, pose = obstacle.place
         return put(prepare(root, name, progress, many), pose)

@@ -23,6 +23,7 @@ from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving, standing_at
 from sinuous.scene.obstacles import Obstacle, Primitive, boxes_of, indices_of, rows_of
 from sinuous.scene.parts import NOTHING, Part, prepare, seconds_to_prepare, unsampled
+from sinuous.scene.sampling import Progress
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -101,6 +102,11 @@ class Surroundings:
     def nearest(self, points: Stack) -> NDArray[np.int64]:
         """Index (...) of the obstacle nearest to points (..., 3); -1 in an empty scene."""
         return self.snapshot()._query(points)[2]
+
+
+def _part_of(obstacle: Obstacle, stored: int, name: str = "", progress: Progress | None = None) -> Part:
+    """What the kernels read of an obstacle in a scene with so many in the store: of a primitive its row alone."""
+    return Part(obstacle.row, NOTHING) if isinstance(obstacle, Primitive) else prepare(obstacle, name, progress, stored)
 
 
 def _still(obstacle: Obstacle) -> Obstacle:
@@ -299,13 +305,13 @@ class Snapshot(Surroundings, Frozen):
         there = tuple(standing_at(self._obstacles, when))
         each = zip(there, self._obstacles, self._prepared(), strict=True)
         stored = len(self._stored)
-        parts = [part if own is old else prepare(own, "", None, stored) for own, old, part in each]
+        parts = [part if own is old else _part_of(own, stored) for own, old, part in each]
         return Snapshot(there, parts)
 
     def _part(self, index: int, progress: Callable[[str, float], object] | None, stored: int) -> Part:
         name = self.name(index)
         told = None if progress is None else partial(progress, name)
-        return prepare(_still(self._obstacles[index]), name, told, stored)
+        return _part_of(_still(self._obstacles[index]), stored, name, told)
 
     @property
     def _stored(self) -> dict[int, Obstacle]:
@@ -322,7 +328,7 @@ class Snapshot(Surroundings, Frozen):
             snapshot.prepare()
             return snapshot
         if part is None:
-            part = prepare(obstacle, "", None, 1 if isinstance(obstacle, Primitive) else len(self._stored))
+            part = _part_of(obstacle, len(self._stored))
         known, own = self._parts, part
         snapshot = Snapshot(changed, [*known[:index], own, *known[index + 1 :]])
         snapshot._set(_group=self._group_with(index, known[index], own))

@@ -33,7 +33,8 @@ from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.starts import face, most_distal, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.actuation import runs_through, sums_from
-from sinuous.kernels.step.limits import bend_cap, scattered
+from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.step.scattered import scattered
 from sinuous.kernels.step.targets import end_pose, end_segment, miss_of
 from sinuous.kernels.tables import Budget
 

@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.kernels.solve import starts
-from sinuous.kernels.step.limits import scattered
+from sinuous.kernels.step.scattered import scattered
 from tests.helpers import Floats, expm_chain, frames_of, random_pose, vec
 
 MIXED = sn.Robot(

@@ -41,7 +41,7 @@ from sinuous.kernels.growing.legs import Leg, leg_to, missed
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.step.limits import scattered, uniform
+from sinuous.kernels.step.scattered import scattered, uniform
 from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
 
 APART = np.uint64(0x85EBCA77)

@@ -23,7 +23,7 @@ from sinuous.kernels.certificate.self_proof import passed_over
 from sinuous.kernels.certificate.sweep import Motion, at_time
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.step.actuation import admissible_step, settle
-from sinuous.kernels.step.limits import scattered, uniform
+from sinuous.kernels.step.scattered import scattered, uniform
 
 MOTION_PARTS = 8
 """Into how many parts a long motion is divided by the configurations that are examined before it is proved."""

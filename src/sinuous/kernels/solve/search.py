@@ -14,8 +14,8 @@ from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.clearance import increase_clearance
 from sinuous.kernels.solve.starts import face, most_distal, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
-from sinuous.kernels.step.limits import scattered
 from sinuous.kernels.step.newton import descend, linearise
+from sinuous.kernels.step.scattered import scattered
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, State, Work, carve, pick
 from sinuous.kernels.tables import Budget
 

@@ -116,12 +116,12 @@ PLACES = [
     ("two tubes", 2, ("base_tube",)),
     ("cells", 0, ("edges", "fitted")),
     ("cells pipe", 4, ("edges", "side_tubes", "grown")),
-    ("cells", 5, ("cells", "fitted")),
+    ("cells", 1, ("cells", "fitted")),
     ("two tubes", 2, ("cells", "grown")),
     ("cells", 1, ("edges", "grown")),
     ("folded", 0, ("cells", "bottleneck")),
     ("door in mesh", 54, ("edges", "bottleneck")),
-    ("two doors", 1, ("cells", "detours")),
+    ("door in mesh", 54, ("cells", "detours")),
     ("two doors", 0, ("unguided",)),
 ]
 """Families, numbers, and attempts that are enough there."""

@@ -74,6 +74,9 @@ PRIORITY_FINE_CELLS = 8
 """Priority of the first search over fine cells. One over larger ones comes at once where no clear route is known (duct,
 branches, box duct)."""
 
+MOST_TERMINAL_POSE_SEARCHES, PRIORITY_TERMINAL_POSE = 3, 6
+"""Most searches for a route to where the backbone may end, where a tool leaves that open; and the priority of the
+first, by which that of each following one is higher (two tubes)."""
 
 SCATTERED_BEFORE_ROOTS = 64
 """Scattered starts of an arm with joints before any root is looked for (six axes, driven base, rail)."""
@@ -88,6 +91,8 @@ LED_BACK_WIDTHS = (4, 16, 64)
 ROUTE_POINTS = 256
 """Points of a route from a root to the mouth of a narrow place and on."""
 
+PRIORITY_ALTERNATIVES = 20
+"""Priority of the search for routes that differ (helix)."""
 
 PRIORITY_LAST_SEARCH = 64
 """Priority of the last search, over many fine cells: for routes that differ (halls), and proofs that large rooms are
@@ -96,6 +101,8 @@ closed."""
 PRIORITY_LAST = 200
 """Priority of what comes after all searches."""
 
+ALTERNATIVES = 4
+"""Routes that differ, of a search for more than one."""
 
 EFFORT_OF_A_GROWN_CHAIN = 1.0
 """Effort of growing chains along a route from both ends, for each that beams keep (pipes, ducts, cells, halls). Beams
@@ -162,7 +169,7 @@ PASSAGES_CELLS_A_START = 1000
 more classes than scattered starts do."""
 
 MakePassages = Callable[[IKQuery, Floats], Passages]
-"""From a question and what routes have to keep (24,) to the passages of its routes."""
+"""From a question and what routes have to keep (27,) to the passages of its routes."""
 
 
 class Strategy:
@@ -379,7 +386,7 @@ class RouteAttempts:
         Where they are added.
     searches : Searches
     question : IKQuery
-    query : ndarray (24,)
+    query : ndarray (27,)
         What routes have to keep.
     passages : callable, optional
         See `Strategy.batches`.
@@ -410,7 +417,7 @@ class RouteAttempts:
         if on_route is None and (passages is not None or not question.several):
             self._add_passage(frozenset(), 0)
         if route is not None:
-            self._add_route(respaced(route, ROUTE_POINTS), finest=False)
+            self._add_routes([respaced(route, ROUTE_POINTS)], finest=False)
         self._add_first(whole=on_route is None)
 
     @property
@@ -451,33 +458,36 @@ class RouteAttempts:
             make = partial(self._candidates.chains_that_meet, width)
             self._attempts.add("unguided", priority, make, EFFORT_OF_AN_UNGUIDED_CHAIN * width)
 
-    def _add_passage(self, closed: frozenset[int], step: int, later: bool = False) -> None:
+    def _add_passage(self, closed: frozenset[int], step: int, again: bool = False, later: bool = False) -> None:
         """Add a search for a route while some passages are closed; `later`: there probably is none."""
         if step < len(self._searches.single_plans):
             several = self._question.several
             first = PRIORITY_PASSAGES if several else PRIORITY_OTHER_PASSAGES + EFFORT_OF_OTHER_PASSAGES * self._passes
             priority = first + (1 + step if later else 0)
-            make = partial(self._pass, closed, step)
+            make = partial(self._pass, closed, step, again)
             self._attempts.add("passages", priority, make, effort=0 if several else EFFORT_OF_OTHER_PASSAGES)
 
-    def _pass(self, closed: frozenset[int], step: int) -> Iterator[StartBatch]:
-        """Search for a route while some passages are closed; add searches with those that it leads through closed."""
+    def _pass(self, closed: frozenset[int], step: int, again: bool) -> Iterator[StartBatch]:
+        """Search for a route while some passages are closed; add searches with the passages of that route closed, too.
+
+        `again`: a route was found so already, but no solution along it, so several that differ are searched for.
+        """
         if self._passes >= PASSAGES_SEARCHES:
             return
         self._passes += 1
-        passages = self._passages
-        route, cells = passages.route(closed, self._searches.single_plans[step])
+        plan, passages = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1), self._passages
+        routes, cells = passages.routes(closed, plan)
         yield starts_along(self._question.initial[:0], (), effort=cells / PASSAGES_CELLS_A_START)
-        if route is None:
-            self._add_passage(closed, step + 1, later=True)
+        if not routes:
+            self._add_passage(closed, step + 1, again, later=True)
             return
         if self._question.several:
-            failed = yield from passages.starts(route)
+            failed = yield from passages.starts(routes)
             if failed:
-                self._add_passage(closed, step + 1)
-        elif passages.differs(route):
-            self._add_route(route, finest=False)
-        for more in passages.closing(closed, route):
+                self._add_passage(closed, step + again, again=True)
+        elif passages.differs(routes[0]):
+            self._add_routes(routes, finest=False)
+        for more in passages.closing(closed, routes[0]):
             self._add_passage(more, 0)
 
     def _scattered_first(self) -> Iterator[StartBatch]:
@@ -489,39 +499,61 @@ class RouteAttempts:
         """Look for a route without cells, unless one is known."""
         route = None if self._candidates.known else find(self._candidates.query)
         if route is not None:
-            self._add_route(route, finest=True)
+            self._add_routes([route], finest=True)
         return iter(())
 
     def _search(self, searches: list[tuple[float, SearchPlan]], first: bool) -> Iterator[StartBatch]:
         """Search for routes over cells; add the next search."""
         candidates = self._candidates
         if first and candidates.known:
+            searches = [(max(priority, PRIORITY_AFTER_EDGES), plan) for priority, plan in searches if plan.routes > 1]
             self._attempts.add("cells", PRIORITY_AFTER_EDGES, partial(self._search, searches, False), effort=0)
             return
         (_, plan), *others = searches
         seconds = max(0.0, self._question.deadline())
         found = self._searches.find(self._question.problem, candidates.query, plan, seconds)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
-        if found.route is not None:
-            self._add_route(found.route, plan.cell == self._searches.fine.cell)
+        self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
+        if candidates.any_clear:
+            others = [(priority, other) for priority, other in others if other != self._searches.middle]
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), effort=0)
         effort = found.cells / (CELLS_A_START_AMONG_MANY if self._many else CELLS_A_START)
         yield starts_along(self._question.initial[:0], (), effort=effort, closed=closed)
 
-    def _add_route(self, route: Floats, finest: bool) -> None:
-        """Add all that is tried along a route (K, 3)."""
-        noted = self._candidates.add_route(route, finest)
-        if noted is None:
+    def _add_root(self, number: int) -> None:
+        """Add a search for a route to where the backbone may end, where a tool leaves that open."""
+        alone = len(self._question.problem.targets) == 1 and not self._question.several
+        if number < MOST_TERMINAL_POSE_SEARCHES and alone and self._candidates.has_tool:
+            make = partial(self._search_to_root, number)
+            self._attempts.add("cells", PRIORITY_TERMINAL_POSE * (1 + number), make, effort=0)
+
+    def _search_to_root(self, number: int) -> Iterator[StartBatch]:
+        """Search for a route to where the backbone may end, and add the next search."""
+        route = self._candidates.route_to_terminal_pose(number)
+        if route is not None:
+            self._add_routes([route], finest=False)
+        self._add_root(number + 1)
+        return iter(())
+
+    def _add_routes(self, routes: list[Floats], finest: bool) -> None:
+        """Add all that is tried along the routes (K, 3) of one search: chains are grown along the first one alone."""
+        if not routes:
             return
-        if not self._question.several:
-            self._add_bottleneck(noted)
-        self._add_grown(noted)
-        if not self._question.several:
-            self._add_detour(noted, first=3)
-        if self._on_route is not None:
-            self._on_route(self._candidates, noted)
-        self._attempts.add("fitted", PRIORITY_AT_ONCE, partial(self._candidates.fitted_chain, route), effort=0)
+        if not self._candidates.known:
+            self._add_root(0)
+        stowed = self._candidates.is_longer_than(routes[0])
+        noted = [self._candidates.add_route(route, finest) for route in routes]
+        if noted[0] is not None:
+            if not self._question.several:
+                self._add_bottleneck(noted[0])
+            self._add_grown(noted[0])
+            if not self._question.several:
+                self._add_detour(noted[0], first=0 if stowed else 3)
+            if self._on_route is not None:
+                self._on_route(self._candidates, noted[0])
+        priority = min(BOTTLENECK_EFFORTS.values()) if stowed else PRIORITY_AT_ONCE
+        self._attempts.add("fitted", priority, partial(self._candidates.fitted_chains, routes), effort=0)
 
     def _add_along(
         self, name: str, candidate: RouteCandidate, effort: float, make: Callable[[], Iterator[StartBatch]]
@@ -569,4 +601,5 @@ def plans_of(searches: Searches) -> list[tuple[float, SearchPlan]]:
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
     first = [(PRIORITY_AT_ONCE, coarse), (PRIORITY_AT_ONCE, searches.middle), (PRIORITY_FINE_CELLS, fine)]
     first = first if coarse.cell > fine.cell else [(PRIORITY_AT_ONCE, fine)]
-    return [*first, (PRIORITY_LAST_SEARCH, fine._replace(cells=CELLS[1]))]
+    others = (PRIORITY_ALTERNATIVES, coarse), (PRIORITY_LAST_SEARCH, fine._replace(cells=CELLS[1]))
+    return [*first, *((priority, plan._replace(routes=ALTERNATIVES)) for priority, plan in others)]

@@ -6,7 +6,7 @@ import numpy as np
 
 import sinuous as sn
 from sinuous.kernels.freespace.cells import memory_size
-from sinuous.kernels.freespace.find import find_route
+from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.tables import CLOSED, FOUND, FULL, PROVED_CLOSED, QUERY_MOST_CELLS, TIMED_OUT
 from tests.helpers import Floats
 from tests.kernels.freespace.places import query, room
@@ -21,12 +21,12 @@ class Found(NamedTuple):
     cells: int
 
 
-def find(scene: sn.Scene, asked: Floats, seconds: float = 60.0) -> Found:
-    route = np.empty((POINTS, 3))
+def find(scene: sn.Scene, asked: Floats, most: int = 1, seconds: float = 60.0) -> Found:
+    routes, counts = np.empty((most, POINTS, 3)), np.zeros(most, np.int64)
     memory = np.full(memory_size(int(asked[QUERY_MOST_CELLS])), np.nan)  # nothing of what was there before may matter
     group = scene.snapshot().group.copy()
-    count, ended, cells = find_route(group, asked, seconds, memory, route)
-    return Found([route[:count]] if count else [], ended, cells)
+    found, ended, cells = find_routes(group, asked, seconds, memory, routes, counts)
+    return Found([r[:c] for r, c in zip(routes[:found], counts, strict=False)], ended, cells)
 
 
 def test_a_route_runs_from_origin_to_goal_evenly_and_clear() -> None:
@@ -39,6 +39,13 @@ def test_a_route_runs_from_origin_to_goal_evenly_and_clear() -> None:
     assert steps.min() > 0.8 * steps.max()
     assert BALL.distance(route).min() > 0.1
     assert 2.0 < steps.sum() < 2.4
+
+
+def test_alternatives_pass_an_obstacle_on_different_sides() -> None:
+    found = find(BALL, query(), most=4)
+    assert len(found.routes) == 4
+    sides = {tuple(np.sign(np.round(route[np.abs(route[:, 2] - 1.0).argmin(), :2], 1))) for route in found.routes}
+    assert len(sides) >= 3
 
 
 def test_a_goal_in_a_closed_room_has_no_route_and_that_is_proved_when_asked_for() -> None:

@@ -3,6 +3,8 @@
 Chains turned round: the same curve, from the other end.
 """
 
+import math
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,14 @@ def overlap(robot: sn.Robot, scene: sn.Scene, q: Floats) -> float:
     return float(1.0 - scene.distance(robot.backbone(q, 100)).min() / RADIUS)
 
 
+def own_gap(robot: sn.Robot, q: Floats) -> float:
+    """Least distance of two places that are half a circle apart along the body, by brute force."""
+    line = robot.backbone(q, 40)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    far = np.abs(along[:, None] - along) > math.pi * RADIUS
+    return float(np.where(far, np.linalg.norm(line[:, None] - line, axis=-1), math.inf).min())
+
+
 @pytest.mark.parametrize("direction", [None, (0.0, 0.0, -1.0)])
 def test_chains_turn_back_through_a_slit_within_limits(direction: tuple[float, float, float] | None) -> None:
     target = sn.Target((1.2, 0.0, -2.0), direction=direction)
@@ -80,6 +90,7 @@ def test_chains_turn_back_through_a_slit_within_limits(direction: tuple[float, f
     for q in chains:
         assert ROBOT.excess(q) <= 1e-12
         assert overlap(ROBOT, WALLS, q) <= KEPT + 0.05
+        assert own_gap(ROBOT, q) > 1.8 * RADIUS
     best = ROBOT.tip(chains[0])
     assert np.linalg.norm(best[:3, 3] - (1.2, 0.0, -2.0)) < 0.5
     if direction is not None:
@@ -98,6 +109,7 @@ def test_without_a_route_chains_differ_keep_what_they_have_to_and_can_still_get_
     for q in chains:
         assert part.excess(q) <= 1e-12
         assert overlap(part, WALLS, q) <= KEPT + 0.05
+        assert own_gap(part, q) > 1.8 * RADIUS
 
 
 def test_no_chain_crosses_a_wall() -> None:

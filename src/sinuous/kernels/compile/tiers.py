@@ -80,7 +80,7 @@ PIECES = (
             "kernels.fitting.lines.distances_along",
             "kernels.fitting.lines.widths_across",
             "kernels.fitting.query.route_query",
-            "kernels.freespace.find.find_route",
+            "kernels.freespace.find.find_routes",
             "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.follow_tube",

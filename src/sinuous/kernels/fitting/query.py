@@ -45,13 +45,27 @@ def _body(problem: Problem, last: int) -> tuple[float, float, float, float]:
     return ball_radius(problem.limits[: last + 1]), shortest, longest, min(turn, 0.25 * longest)
 
 
+def _straight(problem: Problem, last: int) -> tuple[float, float, float]:
+    """Of the first segments that cannot bend: least and greatest length; and the mean length of all others."""
+    low = high = others = 0.0
+    leading = True
+    for k in range(last + 1):
+        leading = leading and problem.limits[k, t.MAX_BEND] == 0.0
+        if leading:
+            low += problem.limits[k, t.MIN_LENGTH]
+            high += problem.limits[k, t.MAX_LENGTH]
+        else:
+            others += 0.5 * (problem.limits[k, t.MIN_LENGTH] + problem.limits[k, t.MAX_LENGTH])
+    return low, high, others
+
+
 def _put(query: Array, at: int, vector: Vec) -> None:
     query[at], query[at + 1], query[at + 2] = vector
 
 
 @entry
 def route_query(robot: Array, scene: Array, settings: Array, targets: Array, query: Array) -> bool:
-    """Fill what robot and targets ask of a route into `query` (24,); the plan's numbers are left as they are.
+    """Fill what robot and targets ask of a route into `query` (27,); the plan's numbers are left as they are.
 
     `robot`, `scene` and `settings` are groups and `targets` (t, 15) a table, laid out as `sinuous.kernels.tables` says.
     Returns False, and fills nothing, when no target has a position.
@@ -77,4 +91,5 @@ def route_query(robot: Array, scene: Array, settings: Array, targets: Array, que
         turn,
     )
     query[t.QUERY_FREE_LENGTH] = problem.mount
+    query[t.QUERY_STRAIGHT_MIN], query[t.QUERY_STRAIGHT_MAX], query[t.QUERY_OTHER_LENGTH] = _straight(problem, last)
     return True

@@ -17,11 +17,11 @@ from sinuous.kernels.freespace.keys import child_of
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import Array
 
-CellTable = namedtuple("CellTable", ["index", "size", "parents", "cuts", "distance"])
+CellTable = namedtuple("CellTable", ["index", "size", "parents", "cuts", "distance", "penalized"])
 """The cells that were met. By number of the block: `parents` (c / 8,) int64, key of the cell that it divides; `cuts`
 (c / 8,) int32, the wall that cuts it in two, see `halves`, or NONE where it is divided into eight. By number
-of the cell: `distance` (c,) of its middle to the obstacles, or one of UNKNOWN, DIVIDED and BLOCKED. `index` (c / 4,)
-int32 is an open-addressed hash table: by
+of the cell: `distance` (c,) of its middle to the obstacles, or one of UNKNOWN, DIVIDED and BLOCKED; `penalized` (c,)
+uint8, whether it is near a route that is known already. `index` (c / 4,) int32 is an open-addressed hash table: by
 slot, one more than the number of the block, 0 where the slot is empty. `size` (4,) int64: how many blocks there are,
 how many slots are in use, a power of two that grows with them; how many cells were examined, and whether (0, 1)
 something found no place."""
@@ -58,15 +58,15 @@ STACK = 128
 
 
 def memory_size(most: int) -> int:
-    """Numbers (float64) that a search works in that meets `most` cells, a power of two from 64 on: 117 bytes a cell."""
-    return 14 * most + 4 * (most // 8) + most // 16 + 3 * LINE_POINTS + STACK + CLOCK_SIZE + 8
+    """Numbers (float64) that a search works in that meets `most` cells, a power of two from 64 on: 118 bytes a cell."""
+    return 14 * most + 5 * (most // 8) + most // 16 + 3 * LINE_POINTS + STACK + CLOCK_SIZE + 8
 
 
 def carve(buffer: Array, most: int) -> Memory:
     """Lay out the memory of a search in the beginning of `buffer`, see `memory_size`."""
     c, eighth = most, most >> 3
     small = buffer[14 * c :]
-    rest = small[4 * eighth + (eighth >> 1) :]
+    rest = small[5 * eighth + (eighth >> 1) :]
     sides = Side(
         buffer[:c].view(np.int32).reshape((2, c)),
         buffer[c : 3 * c].reshape((2, c)),
@@ -81,8 +81,9 @@ def carve(buffer: Array, most: int) -> Memory:
         small[2 * eighth : 3 * eighth].view(np.int32),
         rest[4:8].view(np.int64),
         small[3 * eighth : 4 * eighth].view(np.int64),
-        small[4 * eighth : 4 * eighth + (eighth >> 1)].view(np.int32),
+        small[5 * eighth : 5 * eighth + (eighth >> 1)].view(np.int32),
         buffer[13 * c : 14 * c],
+        small[4 * eighth : 5 * eighth].view(np.uint8),
     )
     stack, clock = rest[8 : 8 + STACK].view(np.int64), rest[8 + STACK :][:CLOCK_SIZE].view(np.int64)
     points = rest[8 + STACK + CLOCK_SIZE :][: 3 * LINE_POINTS].reshape((LINE_POINTS, 3))
@@ -144,7 +145,7 @@ def add_block(memory: Memory, key: int, cut: int) -> int:
         return NONE
     table.parents[block], table.cuts[block] = key, cut
     for cell in range(8 * block, 8 * block + 8):
-        table.distance[cell] = UNKNOWN
+        table.distance[cell], table.penalized[cell] = UNKNOWN, 0
         for i in range(2):
             sides.cost[i, cell], sides.done[i, cell] = math.inf, 0
     table.size[BLOCKS] = block + 1
@@ -164,14 +165,22 @@ def _grow(table: CellTable) -> None:
 
 
 def clear(memory: Memory) -> None:
-    """Forget all cells and routes."""
-    table, sides = memory.table, memory.sides
+    """Forget all cells."""
+    table = memory.table
     table.size[BLOCKS], table.size[SLOTS], table.size[EVALUATED] = 0, min(FIRST_SLOTS, table.index.shape[0]), 0
-    table.size[OVERFLOW] = 0
     for i in range(table.size[SLOTS]):
         table.index[i] = 0
+    restart(memory)
+
+
+def restart(memory: Memory) -> None:
+    """Forget all routes, but keep the cells with their distances and penalties."""
+    sides = memory.sides
+    memory.table.size[OVERFLOW] = 0
     for i in range(2):
         sides.size[i, OPEN], sides.size[i, DONE] = 0, 0
+        for cell in range(8 * memory.table.size[BLOCKS]):
+            sides.cost[i, cell], sides.done[i, cell] = math.inf, 0
 
 
 def push(memory: Memory, which: int, priority: float, cell: int) -> None:

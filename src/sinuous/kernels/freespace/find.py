@@ -1,15 +1,18 @@
-"""The door: a route of a ball through free space, from one place to another, and the proof that there is none."""
+"""The door: routes of a ball through free space, from one place to another, and the proof that there are none."""
 
 from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
-from sinuous.kernels.freespace.cells import EVALUATED, NONE, Memory, carve, clear
+from sinuous.kernels.freespace.cells import EVALUATED, NONE, Memory, carve, clear, restart
 from sinuous.kernels.freespace.grid import SearchGrid
-from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore
-from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid
+from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore, penalize
+from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid, straight_length
 from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
 from sinuous.kernels.tables import CLOSED, FOUND, PROVED_CLOSED
+
+PENALIZED_CELLS = 2
+"""Cells on all sides of a route that are made dearer before the next one is searched for."""
 
 
 def _chain(memory: Memory, which: int, met: int) -> int:
@@ -65,19 +68,50 @@ def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
     return ended == CLOSED
 
 
-def _find(memory: Memory, scene: Scene, query: Query, route: Array) -> tuple[int, int]:
-    """Fill `route`: with how many points, and how the search ended."""
-    grid = route_grid(query, scene)
+def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Array) -> tuple[int, int]:
+    """Fill `routes`: how many, and how the last search ended.
+
+    The first search does not know how long the route is, and so how far it leaves straight: when it leaves straight for
+    longer than nothing, the search is done again with that length. A search that nothing may pass behind the ends of is
+    done again without that condition when it is closed, unless that proves that there is no route.
+    """
+    straight, barred, again = 0.0, True, True
+    grid = route_grid(query, scene, straight, barred)
     clear(memory)
-    ended, met = explore(memory, grid, scene)
-    if ended == CLOSED and query.prove and _proved_closed(memory, query, scene):
-        return 0, PROVED_CLOSED
-    return (_smooth(memory, grid, scene, met, query, route) if ended == FOUND else 0), ended
+    count, ended = 0, FOUND
+    while count < routes.shape[0]:
+        ended, met = explore(memory, grid, scene)
+        if ended == CLOSED and count == 0 and barred:
+            if query.prove and _proved_closed(memory, query, scene):
+                return 0, PROVED_CLOSED
+            barred = False
+            grid = route_grid(query, scene, straight, barred)
+            clear(memory)
+            continue
+        if ended != FOUND:
+            break
+        points = _smooth(memory, grid, scene, met, query, routes[count])
+        if points == 0:
+            break
+        ahead = straight_length(query, span(routes[count], points))
+        if again and ahead > query.free_length:
+            again, straight = False, ahead
+            grid = route_grid(query, scene, straight, barred)
+            clear(memory)
+            continue
+        counts[count] = points
+        count += 1
+        if count < routes.shape[0]:
+            penalize(memory, grid, scene, met, PENALIZED_CELLS)
+            restart(memory)
+    return count, ended
 
 
 @entry
-def find_route(scene: Array, query: Array, seconds: float, buffer: Array, route: Array) -> tuple[int, int, int]:
-    """Find a route.
+def find_routes(
+    scene: Array, query: Array, seconds: float, buffer: Array, routes: Array, counts: Array
+) -> tuple[int, int, int]:
+    """Find up to m routes that differ.
 
     Parameters
     ----------
@@ -87,18 +121,20 @@ def find_route(scene: Array, query: Array, seconds: float, buffer: Array, route:
         Budget.
     buffer : ndarray
         Scratch, see `cells.memory_size`.
-    route : ndarray (K, 3)
-        Filled with points from origin to goal, evenly spaced, at most K, in the length unit.
+    routes : ndarray (m, K, 3)
+        Filled with points from origin to goal, evenly spaced, at most K a route, in the length unit.
+    counts : ndarray (m,) int64
+        Filled with the number of points of every route.
 
     Returns
     -------
     (int, int, int)
-        How many points, 0 without a route; how the last search ended: FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED;
-        and how many cells it examined.
+        How many routes; how the last search ended: FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED; and how many cells it
+        examined.
     """
     obstacles, asked = read_scene(scene), read_query(query)
     memory = carve(buffer, asked.most_cells)
     begin(memory.clock)
     allow(memory.clock, seconds)
-    points, ended = _find(memory, obstacles, asked, route)
-    return points, ended, int(memory.table.size[EVALUATED])
+    count, ended = _find(memory, obstacles, asked, routes, counts)
+    return count, ended, int(memory.table.size[EVALUATED])

@@ -40,7 +40,7 @@ from sinuous.kernels.freespace.cells import (
 from sinuous.kernels.freespace.cut_cells import beside, beyond, linked, shared
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, cell_at, corners, cost_rate, middle, walled
 from sinuous.kernels.freespace.keys import child_of, key_of, numbers_of, octant_of, touch
-from sinuous.kernels.freespace.octree import LEAF, block_at, evaluate_cell, leaf_at
+from sinuous.kernels.freespace.octree import LEAF, block_at, evaluate_cell, known_leaf, leaf_at
 from sinuous.kernels.maths.vectors import Vec, add_scaled, get_vec, norm, put_vec, sub
 from sinuous.kernels.tables import CLOSED, FOUND, FULL, TIMED_OUT
 
@@ -50,6 +50,8 @@ FROM_GOAL, FROM_START = 0, 1
 SMOOTHED = 0.9
 """What is left of the length of a route when its corners are cut: finest cells are left in 26 directions only."""
 
+DETOUR = 2.0
+"""Surcharge on a unit of length near a route that is known already, so that the next one differs."""
 
 SEEDS = 0.25
 """Most of the table that the cells about one end may take. About a larger ball nothing is searched from: the other side
@@ -126,7 +128,7 @@ def _through(memory: Memory, grid: SearchGrid, cell: int) -> float:
     sides = memory.sides
     if cell == NONE or sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] == math.inf:
         return math.inf
-    own = cost_rate(grid, memory.table.distance[cell])
+    own = cost_rate(grid, memory.table.distance[cell]) + DETOUR * memory.table.penalized[cell]
     return sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] + own * _gap(sides, cell)
 
 
@@ -193,7 +195,7 @@ def _reach(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new: int,
     d = table.distance[new]
     there = _crossing(grid, scene, here, key, (cut, new & 7), aim)
     step = norm(sub(there, here.point))
-    cost = side.cost[here.cell] + 0.5 * step * (here.price + cost_rate(grid, d))
+    cost = side.cost[here.cell] + 0.5 * step * (here.price + cost_rate(grid, d) + DETOUR * table.penalized[new])
     length = side.length[here.cell] + step
     rest = norm(sub(there, aim))
     if cost >= side.cost[new] or SMOOTHED * length + rest > grid.longest:
@@ -280,7 +282,7 @@ def _widen(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int
     table, side = memory.table, pick(memory.sides, which)
     key = key_in(table, cell)
     level, x, y, z = numbers_of(key)
-    own = cost_rate(grid, table.distance[cell])
+    own = cost_rate(grid, table.distance[cell]) + DETOUR * table.penalized[cell]
     here = Here(which, cell, key, table.cuts[cell >> 3], level, get_vec(side.points, cell, 0), own)
     for i in range((x - 1) >> 1, ((x + 1) >> 1) + 1):
         for j in range((y - 1) >> 1, ((y + 1) >> 1) + 1):
@@ -343,3 +345,20 @@ def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
         if sides.done[1 - which, cell] != 0 and met != NONE:
             return FOUND, met
         met = _widen(memory, grid, scene, which, cell, met)
+
+
+def penalize(memory: Memory, grid: SearchGrid, scene: Scene, met: int, around: int) -> None:
+    """Make the route through the cell `met`, and cells up to `around` cells from it, dearer: about large ones, one."""
+    table = memory.table
+    for which in range(2):
+        cell = met
+        while cell != NONE:
+            level, x, y, z = numbers_of(key_in(table, cell))
+            reach = around if level == 0 else 1
+            for i in range(-reach, reach + 1):
+                for j in range(-reach, reach + 1):
+                    for k in range(-reach, reach + 1):
+                        near = known_leaf(memory, grid, scene, key_of(level, x + i, y + j, z + k))
+                        if near != NONE:
+                            table.penalized[near] = 1
+            cell = int(memory.sides.before[which, cell])

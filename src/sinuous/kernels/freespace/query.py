@@ -26,8 +26,8 @@ STRAIGHT_STEPS = 16
 
 Query = namedtuple(
     "Query",
-    "origin axis goal back goal_radius goal_slack radius shortest longest turn free_length cell "
-    " clearance free_margin most_cells prove",
+    "origin axis goal back goal_radius goal_slack radius shortest longest turn free_length straight_min "
+    "straight_max other_length cell clearance free_margin most_cells prove",
 )
 """The numbers of a query by their names, see `sinuous.kernels.tables`."""
 
@@ -37,7 +37,7 @@ def _vector(query: Array, at: int) -> Vec:
 
 
 def read_query(query: Array) -> Query:
-    """Take a query (24,) apart."""
+    """Take a query (27,) apart."""
     return Query(
         _vector(query, t.QUERY_ORIGIN),
         _vector(query, t.QUERY_AXIS),
@@ -50,12 +50,20 @@ def read_query(query: Array) -> Query:
         query[t.QUERY_LONGEST],
         query[t.QUERY_TURN],
         query[t.QUERY_FREE_LENGTH],
+        query[t.QUERY_STRAIGHT_MIN],
+        query[t.QUERY_STRAIGHT_MAX],
+        query[t.QUERY_OTHER_LENGTH],
         query[t.QUERY_CELL],
         query[t.QUERY_CLEARANCE],
         query[t.QUERY_FREE_MARGIN],
         int(query[t.QUERY_MOST_CELLS]),
         query[t.QUERY_PROVE] != 0.0,
     )
+
+
+def straight_length(query: Query, length: float) -> float:
+    """How far a route of this length leaves straight."""
+    return min(query.straight_max, max(query.straight_min, length - query.other_length))
 
 
 def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: float, radius: float) -> Vec:
@@ -70,13 +78,14 @@ def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: flo
     return add_scaled(place, reached, axis)
 
 
-def route_grid(query: Query, scene: Scene) -> SearchGrid:
-    """The grid for routes.
+def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> SearchGrid:
+    """The grid for routes that leave straight for so long, and with `barred` pass behind neither end.
 
     The search is from the end of a straight piece at one end to that at the other.
     """
     turn = 0.5 * query.turn
-    start = _end_of_straight(scene, query.origin, query.axis, query.free_length, query.free_length + turn, query.radius)
+    most = max(query.free_length, straight) + turn
+    start = _end_of_straight(scene, query.origin, query.axis, query.free_length, most, query.radius)
     goal = query.goal
     if norm(query.back) > 0.0:
         goal = _end_of_straight(scene, query.goal, query.back, 0.0, turn, query.radius)
@@ -93,9 +102,11 @@ def route_grid(query: Query, scene: Scene) -> SearchGrid:
         query.longest,
         start,
         0.9 * query.cell,
+        query.axis,
         goal,
         query.goal_radius,
         query.back,
+        turn if barred else 0.0,
         INFLATION,
         CLEARANCE_WEIGHT,
         query.longest - pieces + query.goal_radius + query.cell,
@@ -117,9 +128,11 @@ def proof_grid(query: Query, scene: Scene) -> SearchGrid:
         query.longest,
         query.origin,
         query.free_length + HALF_DIAGONAL * query.cell,
+        ZERO,
         query.goal,
         query.goal_radius + query.goal_slack,
         ZERO,
+        0.0,
         GREEDY,
         0.0,
         math.inf,

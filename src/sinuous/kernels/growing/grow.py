@@ -38,6 +38,7 @@ from sinuous.kernels.growing.beam import (
 from sinuous.kernels.growing.bending import come_out
 from sinuous.kernels.growing.guide import leads, needed, sighted
 from sinuous.kernels.growing.legs import Leg, leg_to, missed
+from sinuous.kernels.growing.meeting import meets_itself
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
 from sinuous.kernels.problem import Problem, read_problem
@@ -60,6 +61,8 @@ segments for each one that is left."""
 LEEWAY = 1.05
 """How much longer than needed the rest of a chain may be at no cost."""
 
+UNSEEN_COST = 1.0
+"""Score of a segment from whose end no point of the guide is seen: it may be on another way."""
 
 ARCS_PER_CHAIN = 2
 """Arcs that are examined for each chain that is made, at most: in a tube all of them turn into the same one."""
@@ -143,7 +146,7 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int,
     before = (start_of(start, own), k - 1, along - own[2]) if joint else (start, k, along)
     (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.nearby)
     start = end_of(before[0], own) if joint else start
-    if overlap == math.inf:
+    if overlap == math.inf or (problem.avoids_itself and meets_itself(problem, beam.levels, k, i, start, q)):
         return False
     end = end_of(start, q)
     if not differs(beam, end, FINE_SPACING * mean, FINE_TANGENT_CELLS):
@@ -157,7 +160,7 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int,
     put_vec(new, made, SEGMENT_BEFORE_Q, own)
     new[made, CHAIN_LENGTH], new[made, PARENT], new[made, GUIDE_POINT] = along + q[2], i, seen
     new[made, COST] = level[i, COST] + cost
-    new[made, SCORE] = new[made, COST] + _score(problem, leg, k, end, seen)
+    new[made, SCORE] = new[made, COST] + _score(problem, leg, k, end, seen) + (UNSEEN_COST if found < 0 else 0.0)
     if k == leg.last:
         new[made, COST] = new[made, SCORE]
     return True

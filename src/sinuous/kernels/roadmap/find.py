@@ -10,7 +10,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene, work_of_all
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
 from sinuous.kernels.freespace.grid import SearchGrid
-from sinuous.kernels.freespace.query import Query, read_query, route_grid
+from sinuous.kernels.freespace.query import Query, read_query, route_grid, straight_length
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import Array, get_vec, norm, put_vec, sub
 from sinuous.kernels.roadmap.places import put_places
@@ -170,13 +170,19 @@ def _draw(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route:
 
 
 def _find(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles: Array, route: Array) -> int:
-    """See `find_by_edges`."""
-    grid = route_grid(query, scene)
-    if not _straight(roadmap, grid, scene, triangles):
-        count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
-        if not _search(roadmap, grid, scene, triangles, count):
-            return 0
-    return _draw(roadmap, grid, scene, query, route)
+    """See `find_by_edges`. Where the route leaves straight for longer than nothing, it is sought again from there."""
+    straight, points = 0.0, 0
+    for _ in range(2):
+        grid = route_grid(query, scene, straight, True)
+        if not _straight(roadmap, grid, scene, triangles):
+            count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
+            if not _search(roadmap, grid, scene, triangles, count):
+                return 0
+        points = _draw(roadmap, grid, scene, query, route)
+        straight = straight_length(query, span(route, points))
+        if straight <= query.free_length:
+            break
+    return points
 
 
 @entry

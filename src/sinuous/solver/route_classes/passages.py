@@ -266,7 +266,7 @@ class Passages:
     curves : RouteCurves
         Of the same robot and scene.
     question : IKQuery
-    query : ndarray (24,)
+    query : ndarray (27,)
         What routes have to keep.
     solved : callable
         Says of a curve (N, 3) whether one of its class is solved.
@@ -287,32 +287,37 @@ class Passages:
         self._known: list[Floats] = []
         self._seen = {frozenset[int]()}
 
-    def route(self, closed: frozenset[int], plan: SearchPlan) -> tuple[Floats | None, int]:
-        """Return a route (k, 3) that is wide enough and leads through no closed passage, and how many cells it cost.
+    def routes(self, closed: frozenset[int], plan: SearchPlan) -> tuple[list[Floats], int]:
+        """Return routes (k, 3) that are wide enough and lead through no closed passage, and how many cells they cost.
 
         `closed` are numbers of blocking surfaces. Where there is no time for a copy of the scene nothing is found.
         """
         if closed and self._curves.scene.memory > COPIED * self._curves.seconds():
-            return None, 0
+            return [], 0
         problem, plans = self._question.problem, self._searches.single_plans
         scene = self._curves.scene.beside([self._blocking_surfaces[i][1] for i in sorted(closed)])
         shut = Problem.prepared(problem.robot, problem.targets, scene, problem.tolerance)
         found = self._searches.find(shut, self._query, plan, self._curves.seconds())
         finest = plan.cell == plans[-1].cell and plan.cells == plans[-1].cells
         least = -np.inf if finest else WIDE * self._query[QUERY_RADIUS]
-        wide = found.route is not None and self._keeps(problem.scene, found.route) >= least
-        return found.route if wide else None, found.cells
+        return [route for route in found.routes if self._keeps(problem.scene, route) >= least], found.cells
 
-    def starts(self, route: Floats) -> Generator[StartBatch, None, bool]:
-        """Yield configurations along a route (k, 3), unless its class is solved; return whether it still is not."""
-        new, known = self.differs(route), self._recognise(route)
-        if not new and self._solved(known):
-            return False
-        for batch in self._along(route):
-            yield batch
-            if self._solved(known):
-                return False
-        return True
+    def starts(self, routes: list[Floats]) -> Generator[StartBatch, None, bool]:
+        """Yield configurations along routes (k, 3) of new classes, and of those that are not solved.
+
+        Returns whether one still is not.
+        """
+        failed = False
+        for route in routes:
+            new, known = self.differs(route), self._recognise(route)
+            if new or not self._solved(known):
+                for batch in self._along(route):
+                    yield batch
+                    if self._solved(known):
+                        break
+                else:
+                    failed = True
+        return failed
 
     def differs(self, route: Floats) -> bool:
         """Whether a route (K, 3) is of a new class, which is known from then on."""
@@ -340,7 +345,7 @@ class Passages:
     def _along(self, route: Floats) -> Iterator[StartBatch]:
         """Yield configurations along one route (K, 3): fitted, and grown."""
         candidates = RouteCandidates(self._searches, self._question, self._query)
-        yield from candidates.fitted_chain(route)
+        yield from candidates.fitted_chains([route])
         yield from candidates.grown_chains(RouteCandidate(route, clear=True, rank=1, weight=1), FIRST_WIDTH)
 
     def _keeps(self, scene: Snapshot, route: Floats) -> float:
@@ -377,7 +382,7 @@ class Passages:
 
 
 def _bounds(query: Floats, plan: SearchPlan) -> SurfaceBounds:
-    """What blocking surfaces have to keep in the searches of a query (24,) with cells as large as a plan's."""
+    """What blocking surfaces have to keep in the searches of a query (27,) with cells as large as a plan's."""
     ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
     radius, edge = float(query[QUERY_RADIUS]), plan.cell
     return SurfaceBounds(

@@ -5,23 +5,33 @@ What of this is tried, and in which order, is `solver.strategy`'s.
 
 from collections.abc import Collection, Iterator
 from functools import cached_property
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels.tables import QUERY_FREE_LENGTH, QUERY_GOAL, QUERY_GOAL_RADIUS, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.kernels.tables import (
+    POSE_POSITION,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_GOAL_RADIUS,
+    QUERY_RADIUS,
+    QUERY_SHORTEST,
+    ROUTE,
+    SOURCES,
+)
 from sinuous.solver.attempts import IKQuery, StartBatch
 from sinuous.solver.options import EDGES, SIDE_TUBES
 from sinuous.solver.polylines import lengths_along, respaced
-from sinuous.solver.routing.chains import BottleneckDecomposition, JoinedChains
+from sinuous.solver.routing.chains import TANGENT, BottleneckDecomposition, JoinedChains, find_terminal_poses
 from sinuous.solver.routing.partial_chains import (
     FIRST_WIDTH,
     LEG_POINTS,
     divide_route,
-    fit_chain,
     leg_queries,
     lengthen_route,
+    set_route_end,
     straight_legs,
 )
 from sinuous.solver.routing.searches import Searches
@@ -37,6 +47,8 @@ the body (rods, box duct)."""
 ENDS = 0.04
 """Share of a route at either end of which that is not asked."""
 
+STOWED = 1.1
+"""Least length of a chain, in lengths of its route, from which on some of it has to be stowed beside the route."""
 
 NEAR = 2.5
 """Distance from a route, in radii of the body, up to which it leads past an intermediate target."""
@@ -75,7 +87,7 @@ class RouteCandidates:
     ----------
     searches : Searches
     question : IKQuery
-    query : ndarray (24,)
+    query : ndarray (27,)
         What routes have to keep.
     without : collection of str
         Attempts that are switched off.
@@ -107,7 +119,8 @@ class RouteCandidates:
         self.enclosed = tube is not None and not tube.open
         line = None if tube is None else line_to_target_in_tube(tube, self.query)
         if line is not None:
-            yield from self.fitted_chain(line)
+            fitted = self.searches.fit(self._problem, [line], self._deadline)
+            yield starts_along(fitted, (line,)[: len(fitted)])
         elif tube is not None and tube.open:
             for chain, route in chains_out_of_tube(tube, self._groups, self._deadline):
                 yield starts_along(chain[None], (route,))
@@ -142,11 +155,38 @@ class RouteCandidates:
         self.known.append(RouteCandidate(route, clear, 1 + len(self.known), weight))
         return self.known[-1]
 
-    def fitted_chain(self, route: Floats) -> Iterator[StartBatch]:
-        """Yield the configuration along a route (K, 3)."""
-        left = self._deadline()
-        if left > 0.0:
-            yield starts_along(fit_chain(self._groups, route, left)[None], (route,))
+    @property
+    def has_tool(self) -> bool:
+        """Whether the backbone ends away from the target, and it is not said where."""
+        return bool(self.query[QUERY_GOAL_RADIUS] > 0.0)
+
+    def route_to_terminal_pose(self, number: int) -> Floats | None:
+        """Return a route (K, 3) to a pose in which the backbone may end: number `number`, those with most room first.
+
+        Where a tool leaves open where that is, a route to the target ends somewhere about it, also beyond a wall. A
+        first route has to be known.
+        """
+        if number >= len(self._terminal_poses):
+            return None
+        query, terminal_pose = self.query.copy(), self._terminal_poses[number]
+        query[QUERY_GOAL_RADIUS] = 0.0
+        set_route_end(query, terminal_pose[POSE_POSITION:], -terminal_pose[TANGENT])
+        return self._leg(query)
+
+    @cached_property
+    def _terminal_poses(self) -> Floats:
+        """Poses (r, 12) in which the backbone may end, best first, for the first route; see `find_terminal_poses`."""
+        return find_terminal_poses(self._groups, self.known[0].route)
+
+    def is_longer_than(self, route: Floats) -> bool:
+        """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is fitted."""
+        return bool(self.query[QUERY_SHORTEST] > STOWED * lengths_along(route)[-1])
+
+    def fitted_chains(self, routes: list[Floats]) -> Iterator[StartBatch]:
+        """Yield configurations along routes (K, 3)."""
+        fits = self.searches.fit(self._problem, routes, self._deadline)
+        new = np.array([self._is_new(q) for q in fits], bool)
+        yield starts_along(fits[new], tuple(compress(routes, new)))
 
     def grown_chains(self, candidate: RouteCandidate, width: int) -> Iterator[StartBatch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
@@ -201,6 +241,11 @@ class RouteCandidates:
             if self._is_new(chain):
                 yield starts_along(chain[None], (candidate.route,))
 
+    @property
+    def any_clear(self) -> bool:
+        """Whether a clear route is known."""
+        return any(candidate.clear for candidate in self.known)
+
     def _clear(self, route: Floats, query: Floats) -> bool:
         """Whether a route (K, 3) keeps away from walls, and near its ends, where it may be narrow, out of them.
 
@@ -252,15 +297,15 @@ class RouteCandidates:
         return np.stack(legs)
 
     def _leg(self, query: Floats) -> Floats | None:
-        """Return the route (K, 3) of one leg (24,), around edges or over cells; `None` where none is found.
+        """Return the route (K, 3) of one leg (27,), around edges or over cells; `None` where none is found.
 
         Over cells the first that is clear; where none is, the last.
         """
         leg = self.route_around_edges(query)
         leg = self.route_through_side_tubes(query) if leg is None else leg
         for plan in self.searches.leg_plans if leg is None else ():
-            found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline())).route
-            leg = leg if found is None else found
+            found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
+            leg = found.routes[0] if found.routes else leg
             if leg is not None and self._clear(leg, query):
                 break
         return leg

@@ -31,7 +31,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.packing import robot_parts
-from sinuous.kernels.tables import POSE_POSITION, UNIT
+from sinuous.kernels.tables import POSE_POSITION, UNIT, Outcome
 from sinuous.model.poses import least_rotation
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along
@@ -235,6 +235,9 @@ STEPS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0)
 ENOUGH = 1.25
 """Room that is enough there, in radii of the body."""
 
+IN_WALL = 0.75
+"""Room that a terminal pose lacks at most, in radii of the body: a pose that lacks more ends in a wall, however open
+what lies behind it (a tool that leads through the wall of a tube: two tubes)."""
 
 AGREEMENT = 1e-3
 """What a pose counts that is turned away from the route, beside the mean square of the room that it lacks: decides
@@ -271,7 +274,8 @@ def find_terminal_poses(groups: Groups, route: Floats) -> Floats:
         distances_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
         lack = np.maximum(0.0, ENOUGH - distances.reshape(len(ends), -1) / radius)
         squares = lack * lack
-        order = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable").tolist()
+        ranked = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable")
+        order = [i for i in ranked.tolist() if lack[i, 0] <= IN_WALL] or ranked[:1].tolist()
     chosen: list[int] = []
     for i in order:
         if len(chosen) == MOST:
@@ -402,7 +406,7 @@ class JoinedChains:
             yield from self._given(self._wholes(self._ahead(width), self._groups))
             return
         ahead, behind = self._ahead(width), self._behind(self._other, width)
-        yield from self._joined(ahead, behind, round(MOST_JUNCTIONS * math.sqrt(width / FIRST_WIDTH)), MOST_JUNCTIONS)
+        yield from self._joined(ahead, behind, round(MOST_JUNCTIONS * math.sqrt(width / FIRST_WIDTH)))
         yield from self._given([*self._wholes(ahead, self._groups), *self._wholes(behind, self._other)])
 
     def chains_that_meet(self, width: int) -> Iterator[Floats]:
@@ -411,7 +415,7 @@ class JoinedChains:
             return
         most = self._n // 2 + 1 if width <= WIDTH_OF_HALVES else self._n
         ahead, behind = self._ahead(width, most=most), self._behind(self._other, width, most=most)
-        yield from self._joined(ahead, behind, round(MOST_MEETINGS * math.sqrt(width)), MEETINGS_OF_A_LENGTH)
+        yield from self._joined(ahead, behind, round(MOST_MEETINGS * math.sqrt(width)), loose=True)
 
     def _ahead(self, width: int, most: int | None = None) -> GrownChains:
         """Chains from the base."""
@@ -436,16 +440,24 @@ class JoinedChains:
         best_first = (chain for _, chain in sorted(wholes, key=lambda whole: whole[0]))
         yield from settle_chains(self._groups, best_first, self._deadline)
 
-    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, each: int) -> Iterator[Floats]:
-        """Yield chains (n, 3) of parts from either end, drawn together as far as that goes; see `_joints`."""
+    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, loose: bool = False) -> Iterator[Floats]:
+        """Yield chains (n, 3) that meet both ends, of parts from either end; `loose`: that nearly do."""
         assert self._other is not None
+        each = MEETINGS_OF_A_LENGTH if loose else MOST_JUNCTIONS
         for _, k, i, j in self._joints(ahead, behind, each)[:most]:
             if self._deadline() <= 0.0:
                 return
             (head, _), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)
             begun = problem_from_pose(self._other, terminal_pose)
-            meeting = problem_ending_at(begun, self._n - k, ahead.frames[k, i])
-            yield join_chains(self._groups, head, begun, search_part(meeting, tail[None], (0, 0), self._deadline).q)
+            closed = None if loose else self._closed(self._groups, head, behind.frames[self._n - k, j])
+            if closed is not None and closed.code == t.SOLVED:
+                head = closed.q
+            else:
+                closed = self._closed(begun, tail, ahead.frames[k, i])
+                if closed.code != t.SOLVED and not loose:
+                    continue
+                tail = closed.q
+            yield join_chains(self._groups, head, begun, tail)
 
     def _joints(self, ahead: GrownChains, behind: GrownChains, each: int) -> list[_Junction]:
         """Pairs of parts that nearly meet, the best first: up to `each` of every number of segments."""
@@ -464,6 +476,10 @@ class JoinedChains:
                 if gap[i, j] < GAP:
                     joints.append(_Junction(float(score[i, j]), k, i, j))
         return sorted(joints)
+
+    def _closed(self, groups: Groups, chain: Floats, end: Floats) -> Outcome:
+        """Search for a chain like this one (k, 3) that ends against a pose (12,)."""
+        return search_part(problem_ending_at(groups, len(chain), end), chain[None], (0, 0), self._deadline)
 
 
 class _IntermediateTarget:

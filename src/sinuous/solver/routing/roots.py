@@ -364,9 +364,9 @@ class Roots:
         for plan in searches.single_plans:
             if self._deadline() <= 0.0:
                 return None
-            route = searches.find(self._problem, query, plan, self._deadline()).route
-            if route is not None:
-                return route
+            found = searches.find(self._problem, query, plan, self._deadline())
+            if found.routes:
+                return found.routes[0]
         return None
 
     def _mouths(self, route: Floats) -> list[Mouth]:

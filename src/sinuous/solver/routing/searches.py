@@ -1,7 +1,7 @@
 """Searches for routes through free space from the base to a target, and the chain along them."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from typing import ClassVar, NamedTuple
@@ -13,7 +13,7 @@ from sinuous.kernels import packing
 from sinuous.kernels.fitting.lines import distances_along, widths_across
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
-from sinuous.kernels.freespace.find import find_route
+from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import MANY_OBSTACLES, MAX_LENGTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
@@ -103,12 +103,24 @@ CELLS = (1 << 14, 1 << 17, 1 << 19)
 POINTS = 1024
 """Most points of a route."""
 
+AHEAD = 2.0
+"""Distance ahead of the base, in radii of the body, of the place from which rays say whether the base is enclosed."""
+
+RAYS = np.array([way for way in np.ndindex(3, 3, 3) if np.count_nonzero(np.array(way) - 1) in (1, 3)], float) - 1.0
+"""Directions (14, 3) along the axes of a frame and between three of them, both ways, of no unit length."""
+
+ENCLOSED = 12
+"""Of these rays, as long as the robot, those that meet an obstacle where the base is enclosed: not all do where there
+is a door."""
+
+MET = 0.02
+"""Distance from the obstacles at which a ray ends, as a share of its length."""
 
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
 MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
-"""What all searches of this process work in. A search takes 117 bytes a cell and 0.2 MB: 16 MB at most in the last but
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
 one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
 
 
@@ -123,6 +135,8 @@ class SearchPlan(NamedTuple):
         Distance from the obstacles with which a cell can be passed.
     cells : int
         Most cells that are looked at.
+    routes : int
+        Most routes to find.
     prove : bool
         Whether to prove that there is none, where none is found.
     """
@@ -130,15 +144,16 @@ class SearchPlan(NamedTuple):
     cell: float
     clearance: float
     cells: int
+    routes: int
     prove: bool
 
 
-class FoundRoute(NamedTuple):
+class FoundRoutes(NamedTuple):
     """What came of one search.
 
     Attributes
     ----------
-    route : ndarray (K, 3) or None
+    routes : list of ndarray (K, 3)
         Points from the base to the target, evenly spaced, in the length unit.
     ended : int
         How the last search ended: FOUND, CLOSED, FULL, TIMED_OUT or PROVED_CLOSED of `sinuous.kernels.tables`.
@@ -146,7 +161,7 @@ class FoundRoute(NamedTuple):
         How many cells it looked at.
     """
 
-    route: Floats | None
+    routes: list[Floats]
     ended: int
     cells: int
 
@@ -178,6 +193,7 @@ class Searches:
         self.robot, self._scene, self._tolerance = robot, scene, tolerance
         self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
         self._walls: tuple[Snapshot, SharpWalls] | None = None
+        self._about: tuple[Snapshot, bool] | None = None
         self._root: Floats | None = None
         self.radius = ball_radius(segments_in(self._group))
         self._longest = sum(segment.length[1] for segment in robot.segments)
@@ -215,11 +231,11 @@ class Searches:
         problem.scene.list_near(self.robot.base[:3, 3], self._longest, self.radius)
 
     def query(self, problem: Problem) -> Floats | None:
-        """Return what a route has to keep (24,); see `query_of`."""
+        """Return what a route has to keep (27,); see `query_of`."""
         return query_of(self.groups(problem))
 
-    def find(self, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoute:
-        """Search for a route, as one plan says, for at most so many seconds.
+    def find(self, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:
+        """Search for routes, as one plan says, for at most so many seconds.
 
         Obstacles do not concern the backbone within its mount. Where the body can be so short that its end lies there,
         it may stand in an obstacle, and that no free cell leads to it proves nothing.
@@ -232,11 +248,13 @@ class Searches:
             most_cells=plan.cells,
             prove=plan.prove and query[QUERY_SHORTEST] > (1.0 + ROUNDING) * query[QUERY_FREE_LENGTH],
         )
-        route = np.empty((POINTS, 3))
+        routes = np.empty((plan.routes, POINTS, 3))
+        counts = np.zeros(plan.routes, np.int64)
         with MEMORY.borrow(memory_size(plan.cells)) as memory:
             group = problem.scene._kernel_group
-            count, ended, cells = find_route(group, planned, seconds, memory, route)
-        return FoundRoute(route[:count] if count > 0 else None, ended, cells)
+            found, ended, cells = find_routes(group, planned, seconds, memory, routes, counts)
+        lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
+        return FoundRoutes(lines, ended, cells)
 
     def by_edges(self, problem: Problem, query: Floats, seconds: float) -> Floats | None:
         """Return a route (K, 3) around edges, found in at most so many seconds; `None` proves nothing."""
@@ -257,10 +275,25 @@ class Searches:
         return route[:count] if count > 0 else None
 
     def edges_first(self, problem: Problem) -> bool:
-        """Whether to look for a route around edges before any more scattered starts: quick where all are of boxes."""
+        """Whether to look for a route around edges before any more scattered starts.
+
+        It is quick where all edges are those of boxes. Where walls stand around the base, hardly any start gets out.
+        """
         scene = problem.scene
-        boxes = any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
-        return boxes and len(self._walls_of(scene).edges) == 0
+        if len(self._walls_of(scene).edges):
+            return self._enclosed(scene)
+        return any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+
+    def _enclosed(self, scene: Snapshot) -> bool:
+        """Whether the base is enclosed by obstacles, looked at once a scene."""
+        known = self._about
+        if known is None or known[0] is not scene:
+            base, ahead = self.robot.base, self.robot.mount + AHEAD * self.radius
+            places = np.tile(base[:3, 3] + ahead * base[:3, 2], (len(RAYS), 1))
+            ways = RAYS / np.linalg.norm(RAYS, axis=1)[:, None] @ base[:3, :3].T
+            met = RouteCurves(self.robot, scene).see(places, places + self._longest * ways, MET * self._longest).which
+            known = self._about = scene, int(np.count_nonzero(met >= 0)) >= ENCLOSED
+        return known[1]
 
     def _walls_of(self, scene: Snapshot) -> SharpWalls:
         """What is sharp-edged in a scene, looked for once."""
@@ -289,10 +322,21 @@ class Searches:
         def last(asked: Floats) -> Floats | None:
             route = leg(asked)
             if route is None:
-                route = self.find(problem, asked, self.fine, max(0.0, deadline())).route
+                found = self.find(problem, asked, self.fine, max(0.0, deadline()))
+                route = found.routes[0] if found.routes else None
             return route
 
         return route_through(axes, query, leg, last, POINTS)
+
+    def fit(self, problem: Problem, routes: Sequence[Floats], deadline: Deadline) -> Floats:
+        """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
+        groups, fits = self.groups(problem), list[Floats]()
+        for route in routes:
+            left = deadline()
+            if left <= 0.0:
+                break
+            fits.append(fit_chain(groups, route, left))
+        return np.array(fits).reshape(-1, int(groups[0][0]), 3)
 
     def load(self, *, anew: bool = False) -> None:
         """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""
@@ -306,10 +350,10 @@ class Searches:
                 self.find(problem, query, self.coarse._replace(cells=256), 0.0)
                 self.by_edges(problem, query, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+            self.fit(problem, [line], lambda: 1.0)
             self.distances(problem, line)
             self.widths_across(problem, line)
             groups = self.groups(problem)
-            fit_chain(groups, line, 1.0)
             still = np.zeros((int(groups[0][0]), 3))
             base = packing.robot_parts(groups[0]).base[None].copy()
             GrownChains(groups, line[None], base, FIRST_WIDTH, 1.0)
@@ -360,6 +404,6 @@ def _plans_of(radius: float, length: float) -> tuple[SearchPlan, SearchPlan, Sea
 
     def plan(cell: float) -> SearchPlan:
         clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
-        return SearchPlan(cell, clearance, CELLS[0], False)
+        return SearchPlan(cell, clearance, CELLS[0], 1, False)
 
     return plan(coarse), plan(math.sqrt(coarse * fine)), plan(fine)

@@ -510,8 +510,7 @@ class RouteAttempts:
             self._attempts.add("cells", PRIORITY_AFTER_EDGES, partial(self._search, searches, False), effort=0)
             return
         (_, plan), *others = searches
-        seconds = max(0.0, self._question.deadline())
-        found = self._searches.find(self._question.problem, candidates.query, plan, seconds)
+        found = candidates.search_cells(plan)
         closed = plan.cell if found.ended == PROVED_CLOSED else None
         self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
         if candidates.any_clear:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.growing.beam import CHAIN_WIDTH, FRAME, LAST_SEGMENT_Q, PARENT, SEGMENT_BEFORE_Q
+from sinuous.kernels.growing.beam import CHAIN_WIDTH, END_DISTANCE, FRAME, LAST_SEGMENT_Q, PARENT, SEGMENT_BEFORE_Q
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.growing.turning import turn_round
 from sinuous.model.robot import robot_group
@@ -49,7 +49,7 @@ def grown(
     workspace, counts = np.full(growing_size(len(problem.scene), width), np.nan), np.full(n + 1, -1)
     routes = np.stack([respaced(leg, points) for leg in legs])
     root = np.append(robot.base[:3, :3].ravel(), robot.base[:3, 3])
-    grow_chains(*kernel_groups(problem), routes, root[None], seconds, workspace, levels, counts)
+    grow_chains(*kernel_groups(problem), routes, root[None], math.inf, seconds, workspace, levels, counts)
     chains = np.empty((min(count, counts[n]), n, 3))
     for i, q in enumerate(chains):
         at = i
@@ -132,6 +132,28 @@ def test_a_chain_goes_from_target_to_target() -> None:
 
 def test_without_time_there_is_none() -> None:
     assert len(grown(ROBOT, WALLS, [sn.Target(BEHIND[-1])], [BEHIND], seconds=0.0)) == 0
+
+
+def test_chains_stop_in_the_open() -> None:
+    """Out of a straight channel, two segments and a half long: the third segment ends beyond it."""
+    walls = [
+        sn.Box((x, y, 1.2), (0.2 if x else 1.0, 0.2 if y else 1.0, 2.6))
+        for x, y in ((0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.0, -0.3))
+    ]
+    goal = np.array([3.0, 0.0, 4.0])
+    problem = sn.Problem(ROBOT, [sn.Target(goal)], sn.Scene(walls))
+    points = respaced(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.8], goal]), 80)[None]
+    root = np.append(np.eye(3).ravel(), np.zeros(3))[None]
+    levels, counts = np.zeros((7, 8, CHAIN_WIDTH)), np.zeros(7, np.int64)
+    workspace = np.empty(growing_size(4, 8))
+    assert grow_chains(*kernel_groups(problem), points, root, 3.5, 60.0, workspace, levels, counts)
+    assert (counts[:4] > 0).all()
+    assert (counts[4:] == 0).all()
+    room = [problem.scene.distance(levels[k, : counts[k], FRAME + 9 : FRAME + 12]) / RADIUS for k in range(4)]
+    assert max(max(own) for own in room[:3]) < 3.5 <= max(room[3])
+    np.testing.assert_allclose(
+        np.minimum(levels[3, : counts[3], END_DISTANCE], 3.5), np.minimum(room[3], 3.5), rtol=1e-6
+    )
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -3,7 +3,8 @@
 A chain is a row of a table (w, `CHAIN_WIDTH`); tables of all numbers of segments are one array (n + 1, w, CHAIN_WIDTH).
 Its columns: pose of its end (12); bends and length of its last segment (3), and of the one before it (3), which may
 differ from those of the chain that it continues; the row of that chain; its length; what its overlaps cost; its score,
-the less the better; the point of the guide that its end sees; and by how many chains it is continued.
+the less the better; the point of the guide that its end sees; by how many chains it is continued; and how far its end
+is from the obstacles, in radii, where that is asked.
 """
 
 import math
@@ -19,7 +20,7 @@ from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Mat, Vec
 
-FRAME, LAST_SEGMENT_Q, SEGMENT_BEFORE_Q, PARENT, CHAIN_LENGTH, COST, SCORE, GUIDE_POINT, CHILDREN = (
+FRAME, LAST_SEGMENT_Q, SEGMENT_BEFORE_Q, PARENT, CHAIN_LENGTH, COST, SCORE, GUIDE_POINT, CHILDREN, END_DISTANCE = (
     0,
     12,
     15,
@@ -29,8 +30,9 @@ FRAME, LAST_SEGMENT_Q, SEGMENT_BEFORE_Q, PARENT, CHAIN_LENGTH, COST, SCORE, GUID
     21,
     22,
     23,
+    24,
 )
-CHAIN_WIDTH = 24
+CHAIN_WIDTH = 25
 """Columns of a chain, and how many numbers it has."""
 
 LAZY = 2

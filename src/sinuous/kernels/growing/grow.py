@@ -15,11 +15,13 @@ import numpy as np
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import allow, begin, spend
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import work_of_all
-from sinuous.kernels.growing.arcs import ARCS, Start, ahead_of, count_of, end_of, start_of, tried
+from sinuous.kernels.fields.distances import closest, work_of_all
+from sinuous.kernels.fields.solids import INTERPOLATED
+from sinuous.kernels.growing.arcs import ARCS, Start, ahead_of, count_of, end_of, start_of, thickness, tried
 from sinuous.kernels.growing.beam import (
     CHAIN_LENGTH,
     COST,
+    END_DISTANCE,
     FINE_SPACING,
     FINE_TANGENT_CELLS,
     FRAME,
@@ -182,6 +184,18 @@ def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int, each: int) 
     return count
 
 
+def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, open_from: float) -> bool:
+    """Whether one of the `count` chains of `k` segments ends so far from the obstacles, in radii; notes how far."""
+    level, found = beam.levels[k], False
+    n = problem.limits.shape[0]
+    radius = max(thickness(problem, max(0, k - 1)), thickness(problem, min(k, n - 1)))
+    for i in range(count):
+        d, _ = closest(problem.scene, frame(level, i)[1], open_from * radius, INTERPOLATED)
+        level[i, END_DISTANCE] = d / radius
+        found = found or level[i, END_DISTANCE] >= open_from
+    return found
+
+
 @entry
 def grow_chains(
     robot: Array,
@@ -190,12 +204,13 @@ def grow_chains(
     targets: Array,
     legs: Array,
     roots: Array,
+    open_from: float,
     seconds: float,
     workspace: Array,
     levels: Array,
     counts: Array,
-) -> None:
-    """Grow chains along a route, from target to target.
+) -> bool:
+    """Grow chains along a route, from target to target, or until one of them ends in the open; say whether one does.
 
     Parameters
     ----------
@@ -208,6 +223,8 @@ def grow_chains(
         the next one, and so on, in the order of their segments. Of two points: none is known but where it ends.
     roots : ndarray (r, 12)
         Poses that chains may begin with: at most as many as are kept.
+    open_from : float
+        How far from the obstacles the open is, in radii of the body; inf: nowhere.
     seconds : float
         Budget.
     workspace : ndarray (s,)
@@ -236,6 +253,8 @@ def grow_chains(
             seen = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0)) if leads(leg.guide) else 1
             levels[k, i, GUIDE_POINT] = seen
         while k <= min(leg.last, counts.shape[0] - 2) and counts[k] > 0:
+            if open_from < math.inf and _in_the_open(problem, beam, k, counts[k], open_from):
+                return True
             if leads(leg.guide):
                 each, promised = ARCS, _promise(problem, leg, beam, k, counts[k])
             else:
@@ -244,4 +263,5 @@ def grow_chains(
             k += 1
             counts[k] = keep(beam, k, made, mean)
         if counts[k] == 0 or k == counts.shape[0] - 1:
-            return
+            return False
+    return False

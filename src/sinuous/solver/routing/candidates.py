@@ -12,6 +12,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import (
+    FULL,
     POSE_POSITION,
     QUERY_FREE_LENGTH,
     QUERY_GOAL,
@@ -34,7 +35,7 @@ from sinuous.solver.routing.partial_chains import (
     set_route_end,
     straight_legs,
 )
-from sinuous.solver.routing.searches import Searches
+from sinuous.solver.routing.searches import CELLS, FoundRoutes, Searches, SearchPlan
 from sinuous.solver.routing.tubes import chains_out_of_tube, find_tube_around, line_to_target_in_tube
 
 CUT = 0.9
@@ -58,6 +59,10 @@ ALIKE = 0.1
 
 COMPARED = 60
 """Points of each route that are compared for that."""
+
+
+TABLES = 2
+"""Sizes of tables that one search tries, from its own on."""
 
 
 class RouteCandidate(NamedTuple):
@@ -109,6 +114,8 @@ class RouteCandidates:
         self._bottlenecks: dict[int, BottleneckDecomposition] = {}
         self._chains: dict[int, JoinedChains] = {}
         self._legs: dict[int, Floats | None] = {}
+        self._too_small: dict[float, int] = {}
+        self._told: dict[float, int] = {}
         self._tried: set[bytes] = set()
 
     def chains_in_base_tube(self) -> Iterator[StartBatch]:
@@ -137,6 +144,27 @@ class RouteCandidates:
         """
         off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
+
+    def search_cells(self, plan: SearchPlan) -> FoundRoutes:
+        """Search as a plan says; where a table is too small for a first route, with the next one at once.
+
+        Returns what was found, with the cells of all tables, and without the routes that the same cells gave before.
+        """
+        found, cells = FoundRoutes([], FULL, 0), 0
+        for size in CELLS[CELLS.index(plan.cells) :][:TABLES]:
+            if size <= self._too_small.get(plan.cell, 0):
+                continue
+            seconds = max(0.0, self._deadline())
+            found = self.searches.find(self._problem, self.query, plan._replace(cells=size), seconds)
+            cells += found.cells
+            if found.ended != FULL or found.routes:
+                break
+            self._too_small[plan.cell] = size
+            if self.any_clear:
+                break
+        told = self._told.get(plan.cell, 0)
+        self._told[plan.cell] = max(told, len(found.routes))
+        return found._replace(routes=found.routes[told:], cells=cells)
 
     def add_route(self, route: Floats, finest: bool) -> RouteCandidate | None:
         """Take a route as a candidate; `None`: one like it is known.

@@ -15,12 +15,14 @@ from there.
 
 Chains are also grown without a route, at random: w chains from either end make w^2 pairs, some of which nearly meet.
 
-Terminal poses are those in which a chain from the target may begin.
+Terminal poses are those in which a chain from the target may begin. A bridge is what stands in the open between a chain
+that comes out of a narrow place at the base and one at the target: scattered starts solve it.
 """
 
 import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +33,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.fitting.lines import distances_along
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.packing import robot_parts
-from sinuous.kernels.tables import POSE_POSITION, UNIT, Outcome
+from sinuous.kernels.tables import BEND_SCALE, IN_PLANE, MAX_LENGTH, MIN_LENGTH, POSE_POSITION, UNIT, Outcome
 from sinuous.model.poses import least_rotation
 from sinuous.solver.attempts import Deadline
 from sinuous.solver.polylines import lengths_along
@@ -325,6 +327,67 @@ def _spin(turns: float) -> Floats:
     return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
 
 
+OPEN = 3.5
+"""Distance from the obstacles from which on an end is in the open, in radii of the body."""
+
+STARTS = 8
+"""Scattered starts of a bridge, at most: of wider beams more bridges are tried, not each one longer (cells)."""
+
+FREEDOM = 6
+"""Least number of coordinates of a bridge between two poses: fewer meet both by chance only."""
+
+End = tuple[int, int]
+"""A chain, by its number of segments and its own number."""
+
+
+def bridge_chains(
+    groups: Groups, other: Groups, ahead: GrownChains, behind: GrownChains, width: int, deadline: Deadline
+) -> Iterator[Floats]:
+    """Yield chains (n, 3) of a part from the base, a bridge that scattered starts solve, and a part to the target.
+
+    Parameters
+    ----------
+    groups, other : tuple of ndarray
+        The problem, and the same the other way round, see `Groups`.
+    ahead, behind : GrownChains
+        Chains from the base and from the target that end in the open, or none that do.
+    width : int
+        Of the beams: about as many bridges are tried.
+    deadline : callable
+        See `Deadline`.
+    """
+    n, segments = int(groups[0][0]), segments_in(groups[0])
+    freedom = (2 - segments[:, IN_PLANE]) * (segments[:, BEND_SCALE] > 0.0) + (
+        segments[:, MAX_LENGTH] > segments[:, MIN_LENGTH]
+    )
+    pairs = [
+        (one, two)
+        for one, two in product(_ends(ahead, width), _ends(behind, width))
+        if one[0] + two[0] > 0 and freedom[one[0] : n - two[0]].sum() >= FREEDOM
+    ]
+    pairs.sort(key=lambda pair: n - pair[0][0] - pair[1][0])
+    for one, two in pairs[: 2 * width]:
+        if deadline() <= 0.0:
+            return
+        (head, _), (tail, terminal_pose) = ahead.chain(*one), behind.chain(*two)
+        rest = problem_beyond(groups, head)
+        if len(tail) > 0:
+            rest = problem_ending_at(rest, n - len(head) - len(tail), behind.frames[two])
+        bridge = solve_part(rest, np.empty((0, int(rest[0][0]), 3)), min(width, STARTS), deadline)
+        if bridge is not None:
+            yield join_chains(groups, np.concatenate([head, bridge]), problem_from_pose(other, terminal_pose), tail)
+
+
+def _ends(grown: GrownChains, most: int) -> list[End]:
+    """Chains beyond which a bridge may begin: those in the open, those that they continue, and the terminal pose."""
+    if not grown.open:
+        return [(0, 0)]
+    k, outside = grown.outside()
+    ends = [(k, i) for i in outside[: max(1, most // 4)]]
+    ends += [(k - 1, grown.parent(*end)) for end in ends if k > 0]
+    return list(dict.fromkeys([*ends, (0, 0)]))
+
+
 WHOLES = 2
 """Most chains of one beam that reach the other end by themselves and are given."""
 
@@ -387,7 +450,7 @@ class JoinedChains:
 
     def chains_of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
-        yield from self.chains_past_all_targets(width)
+        yield from self.chains_past_all_targets(width, OPEN)
         for target in self._intermediate_targets:
             yield from target.chains_of_width(width)
 
@@ -400,12 +463,15 @@ class JoinedChains:
         ends = find_terminal_poses(before, self._legs[0])[:MOST_TANGENTS]
         return [_IntermediateTarget(self._groups, before, self._legs, end, self._deadline) for end in ends]
 
-    def chains_past_all_targets(self, width: int) -> Iterator[Floats]:
-        """Yield chains (n, 3) of beams that lead past all targets."""
+    def chains_past_all_targets(self, width: int, open_from: float = math.inf) -> Iterator[Floats]:
+        """Yield chains (n, 3) of beams that lead past all targets; first those that are bridged, see `GrownChains`."""
         if self._other is None:
             yield from self._given(self._wholes(self._ahead(width), self._groups))
             return
-        ahead, behind = self._ahead(width), self._behind(self._other, width)
+        ahead, behind = self._ahead(width, open_from), self._behind(self._other, width, open_from)
+        yield from bridge_chains(self._groups, self._other, ahead, behind, width, self._deadline)
+        ahead = self._ahead(width) if ahead.open else ahead
+        behind = self._behind(self._other, width) if behind.open else behind
         yield from self._joined(ahead, behind, round(MOST_JUNCTIONS * math.sqrt(width / FIRST_WIDTH)))
         yield from self._given([*self._wholes(ahead, self._groups), *self._wholes(behind, self._other)])
 
@@ -417,15 +483,15 @@ class JoinedChains:
         ahead, behind = self._ahead(width, most=most), self._behind(self._other, width, most=most)
         yield from self._joined(ahead, behind, round(MOST_MEETINGS * math.sqrt(width)), loose=True)
 
-    def _ahead(self, width: int, most: int | None = None) -> GrownChains:
+    def _ahead(self, width: int, open_from: float = math.inf, most: int | None = None) -> GrownChains:
         """Chains from the base."""
         base = robot_parts(self._groups[0]).base[None].copy()
-        return GrownChains(self._groups, self._legs, base, width, self._deadline(), most)
+        return GrownChains(self._groups, self._legs, base, width, self._deadline(), open_from, most)
 
-    def _behind(self, other: Groups, width: int, most: int | None = None) -> GrownChains:
+    def _behind(self, other: Groups, width: int, open_from: float = math.inf, most: int | None = None) -> GrownChains:
         """Chains from the target."""
         legs = self._legs[::-1, ::-1].copy()
-        return GrownChains(other, legs, self._terminal_poses, width, self._deadline(), most)
+        return GrownChains(other, legs, self._terminal_poses, width, self._deadline(), open_from, most)
 
     def _wholes(self, grown: GrownChains, groups: Groups) -> Iterator[tuple[float, Floats]]:
         """Chains (n, 3) that reach the other end by themselves, and their scores."""

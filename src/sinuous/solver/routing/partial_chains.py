@@ -9,6 +9,7 @@ A chain that is grown out of a narrow place begins along it; one that is grown i
 are also grown in the reversed problem, from the target through the route to the base.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -19,7 +20,16 @@ from sinuous.kernels.chain.batch import frames_of, points_of
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.query import ball_radius, route_query
 from sinuous.kernels.fitting.settle import settle_chain
-from sinuous.kernels.growing.beam import CHAIN_WIDTH, COST, FRAME, LAST_SEGMENT_Q, PARENT, SCORE, SEGMENT_BEFORE_Q
+from sinuous.kernels.growing.beam import (
+    CHAIN_WIDTH,
+    COST,
+    END_DISTANCE,
+    FRAME,
+    LAST_SEGMENT_Q,
+    PARENT,
+    SCORE,
+    SEGMENT_BEFORE_Q,
+)
 from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, add_detours, detours_size
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.growing.turning import turn_round
@@ -410,6 +420,9 @@ class GrownChains:
     width : int
         Chains of every number of segments that are kept: a power of two.
     seconds : float
+    open_from : float
+        Distance from the obstacles, in radii of the body, from which on an end is in the open: there they stop. By
+        default they go on to the last target.
     most : int, optional
         Segments of the longest chains that are wanted.
 
@@ -417,6 +430,8 @@ class GrownChains:
     ----------
     segments : int
         Of a chain that gets to the last target.
+    open : bool
+        Whether some end in the open: those with the most segments.
     counts : ndarray (n + 1,) int
         How many chains there are, by their number of segments.
     frames : ndarray (n + 1, w, 12)
@@ -426,14 +441,24 @@ class GrownChains:
     """
 
     def __init__(
-        self, groups: Groups, legs: Floats, terminal_poses: Floats, width: int, seconds: float, most: int | None = None
+        self,
+        groups: Groups,
+        legs: Floats,
+        terminal_poses: Floats,
+        width: int,
+        seconds: float,
+        open_from: float = math.inf,
+        most: int | None = None,
     ) -> None:
         n, obstacles = int(groups[0][0]), int(groups[1][0])
         self.segments = segments_of(groups)[len(legs) - 1] + 1
         self.counts = np.zeros((n if most is None else most) + 1, np.int64)
         self._levels = levels = np.zeros((len(self.counts), width, CHAIN_WIDTH))
         workspace = np.empty(growing_size(obstacles, width))
-        grow_chains(*groups, legs, terminal_poses, max(0.0, seconds), workspace, levels, self.counts)
+        self.open: bool = grow_chains(
+            *groups, legs, terminal_poses, open_from, max(0.0, seconds), workspace, levels, self.counts
+        )
+        self._open_from = open_from
         self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
         self.costs, self.scores = levels[..., COST], levels[..., SCORE]
         self._rest = np.zeros((n, 3))
@@ -443,6 +468,11 @@ class GrownChains:
     def complete_count(self) -> int:
         """How many chains get to the last target."""
         return int(self.counts[self.segments])
+
+    def outside(self) -> tuple[int, list[int]]:
+        """Number of segments of the chains that end in the open, and their numbers, the best first."""
+        last = int(np.flatnonzero(self.counts)[-1])
+        return last, np.flatnonzero(self._levels[last, : self.counts[last], END_DISTANCE] >= self._open_from).tolist()
 
     def parent(self, k: int, i: int) -> int:
         """Number of the chain of one segment less that chain number `i` of `k` segments continues."""

@@ -62,6 +62,20 @@ def test_limits_of_bends_and_lengths_hold_to_the_last_digit() -> None:
     assert {each.constraint for each in step.active} <= {"bend", "length"}
 
 
+def test_rounding_leaves_no_limit_at_the_end_of_a_step() -> None:
+    """A step that is not shortened until its limits hold ends 4e-16 beyond one."""
+    robot = arm(payload=sn.Payload(0.01759554980476594))
+    q = [
+        [1.2239801520282734, -1.5817308833808632, 0.0726268962444168],
+        [0.4934964539485659, 1.6194574380584994, 0.0862304225239036],
+        [-1.2065464405106376, 0.47778043208242926, 0.08279576731212283],
+    ]
+    rates = sn.Rates(bend=0.9734911835188162, length=0.05253792488838626)
+    twist = [-0.023510718098415612, 0.0032015178506868153, -0.042756487161811546]
+    step = sn.Solver(robot, time=PATIENCE).step(q, twist, 0.05, rates=rates)
+    assert robot.excess(step.q) == 0.0
+
+
 def test_the_loaded_body_stays_clear_and_slides_along() -> None:
     robot = arm()
     shape = robot.shape(Q)

@@ -41,12 +41,15 @@ from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, LOAD_FACTOR, 
 from sinuous.kernels.statics.newton import Body, carve, workspace_size
 from sinuous.kernels.step.newton import FINEST_PROOF, add_targets
 from sinuous.kernels.step.states import State
-from sinuous.kernels.tables import MAX_LENGTH, RADIUS, SEGMENT_WIDTH, SELF_RADIUS
+from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH, RADIUS, SEGMENT_WIDTH, SELF_RADIUS
 from sinuous.kernels.velocity import query as k
 from sinuous.kernels.velocity.body import MOST_STEPS, RestingBody, hold_rigid, owner_of, unroll
 from sinuous.kernels.velocity.layout import (
+    BEND_CHANGE,
     BOUND_WIDTH,
+    LENGTH_CHANGE,
     Control,
+    StepRequest,
     carve_tick,
     most_bounds,
     most_constraints,
@@ -63,8 +66,8 @@ TENSE = -2.0
 HALVINGS = 6
 """How often a way is halved."""
 
-SHY = 1e-12
-"""Share of a step that is left out, so that rounding leaves limits and rates kept."""
+SHRINKS = (1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.5, 1.0)
+"""By how much a step is shortened until rounding leaves it within limits and rates."""
 
 TENSION_ROUNDING = 1e-9
 """By how much a stretch may leave its limits, in mean lengths of the robot: what rounding may do."""
@@ -223,11 +226,40 @@ def loaded_step(
     copy(start, work.trial)
     k.set_free(problem, work)
     answer[k.ROUNDS], count = k.advance(problem, wanted, work, start)
-    k.shorten(work, start, 1.0 - SHY)
+    _shrink(problem, wanted, work, start)
     k.report(work, count, answer)
     copy(work.body.tip, tip)
     k.write_end(work, answer)
     return work_left(work.sweep.clock)
+
+
+def _shrink(problem: Problem, asked: StepRequest, work: Control, start: Array) -> None:
+    """Shorten a step until all limits and rates are kept exactly: they are convex, and hold for no motion."""
+    copy(work.trial, work.step)
+    for i in range(len(SHRINKS)):
+        if _keeps(problem, asked, work.trial, start):
+            return
+        for s in range(start.shape[0]):
+            for j in range(3):
+                work.trial[s, j] = start[s, j] + (1.0 - SHRINKS[i]) * (work.step[s, j] - start[s, j])
+    copy(start, work.trial)
+
+
+def _keeps(problem: Problem, asked: StepRequest, q: Array, start: Array) -> bool:
+    """Whether all limits and rates of segments are kept; what is exceeded at the start, no more than there."""
+    for s in range(q.shape[0]):
+        limits, rates, curvature = problem.limits[s], asked.rates[s], problem.limits[s, MAX_CURVATURE]
+        bend, bent = math.hypot(q[s, 0], q[s, 1]), math.hypot(start[s, 0], start[s, 1])
+        if bend > max(limits[MAX_BEND], bent):
+            return False
+        if curvature < math.inf and bend > max(curvature * q[s, 2], bent - curvature * (start[s, 2] - q[s, 2])):
+            return False
+        if not min(limits[MIN_LENGTH], start[s, 2]) <= q[s, 2] <= max(limits[MAX_LENGTH], start[s, 2]):
+            return False
+        turned, longer = math.hypot(q[s, 0] - start[s, 0], q[s, 1] - start[s, 1]), abs(q[s, 2] - start[s, 2])
+        if turned > rates[BEND_CHANGE] or longer > rates[LENGTH_CHANGE]:
+            return False
+    return True
 
 
 def _begin_with(own: RestingBody, start: Array, x: Array, tensions: Array) -> None:

@@ -270,7 +270,7 @@ def _reached(problem: Problem, control: Control, start: Array) -> tuple[Vec, Vec
     return turn, add(move, cross(turn, arm))
 
 
-def shorten(control: Control, start: Array, fraction: float) -> None:
+def _shorten(control: Control, start: Array, fraction: float) -> None:
     """Leave so much of the way from `start` to `control.trial`."""
     for k in range(start.shape[0]):
         for i in range(3):
@@ -316,7 +316,7 @@ def _leave_contact(problem: Problem, control: Control, start: Array) -> float:
         copy(control.trial, control.working.pull)
         if _least_gap(problem, control, control.working.pull, ahead) >= gap:
             return fraction
-        shorten(control, start, 0.5)
+        _shorten(control, start, 0.5)
         fraction *= 0.5
     copy(start, control.trial)
     return 0.0
@@ -333,7 +333,7 @@ def _prove(problem: Problem, control: Control, start: Array, answer: Array) -> N
     if verdict == CLEAR:
         return
     if until > 0.0:
-        shorten(control, start, SHY * until)
+        _shorten(control, start, SHY * until)
         answer[STEP_FRACTION] = SHY * until
         return
     answer[START], _, _ = look_at(problem, control, start)

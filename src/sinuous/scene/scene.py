@@ -274,8 +274,18 @@ class Scene(NotebookMixin, Surroundings):
             self._snapshot = before.replaced(found[0], moved(own, there))
 
     def become(self, snapshot: Snapshot) -> None:
-        """Hold these obstacles from now on, as many as before; a `Solver` made before goes on with them."""
+        """Hold these obstacles from now on, as many as before; a `Solver` made before goes on with them.
+
+        Not for methods that look at the scene once and for all, like `opti_path`.
+
+        Raises
+        ------
+        InputError
+            When there are more or fewer of them.
+        """
         with self._lock:
+            if len(snapshot) != len(self._snapshot):
+                raise InputError("snapshot", "", len(snapshot), f"as many obstacles as before: {len(self._snapshot)}")
             self._snapshot = snapshot
             self._described.clear()
 

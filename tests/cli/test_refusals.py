@@ -60,7 +60,7 @@ SOLVE = {
     "easy.yaml --method opti_path --option sample=5": "--option sample: unknown option; did you mean 'samples'?",
     "easy.yaml --method opti_path --option samples=x": "--option samples: expected a whole number",
     "easy.yaml --method opti_path --option samples": "--option: not an option; expected KEY=VALUE",
-    "easy.yaml --method opti_path --option disturbance=2": "--option disturbance: expected a number",
+    "easy.yaml --method opti_path --option cooling=2": "--option cooling: expected a number",
     "easy.yaml --all 2 --by door": "--by: expected route or shape, got 'door'\n",
     "easy.yaml --by route": "--by: is for --all; expected --all COUNT, too, got 'route'\n",
     "easy.yaml --why-time 3": "--why-time: is for --why; expected --why, too, got 3.0\n",

@@ -75,7 +75,7 @@ def arc_costs(points: Floats, chosen: OptiPath) -> tuple[Floats, Floats]:
         t = 2.0 * (t @ e) * e - t
         if j == N - 1:
             far = float(np.linalg.norm(t - GOAL))
-            shape += WEIGHTS.orientation * far**2
+            shape += WEIGHTS.orientation * (far if chosen.orientation == "norm" else far**2)
         shapes.append(shape)
     return np.array(shapes), np.array(bodies)
 
@@ -90,7 +90,7 @@ def attenuated_sums(points: Floats, chosen: OptiPath) -> tuple[Floats, Floats]:
             moved[1][i, c] -= 1e-6
             more, less = (arc_costs(p, chosen) for p in moved)
             for j in range(i, N + 1):
-                k = max(0, j - i - 1)
+                k = j - i if chosen.exponent == "literal" else max(0, j - i - 1)
                 for part in range(2):
                     slope = (more[part][j - 1] - less[part][j - 1]) / 2e-6
                     out[part, i - 1, c] += chosen.attenuation**k * slope
@@ -110,9 +110,10 @@ def point_forces(points: Floats, lengths: Floats) -> Floats:
 
 CHOICES = [
     OptiPath(attenuation=1.0, dead_band=0.0, bend_weight=0.0),
-    OptiPath(attenuation=0.01, dead_band=0.5),
-    OptiPath(attenuation=0.5, samples=3, arcs_weight=2.0),
-    OptiPath(attenuation=0.0),
+    OptiPath(attenuation=0.01, exponent="adjacent", dead_band=0.5),
+    OptiPath(attenuation=0.3, exponent="literal"),
+    OptiPath(attenuation=0.5, orientation="norm", samples=3, arcs_weight=2.0),
+    OptiPath(attenuation=0.0, exponent="literal"),
 ]
 
 

@@ -42,10 +42,17 @@ def test_the_four_poses_of_the_paper(target: sn.Target) -> None:
 
 
 @pytest.mark.parametrize("target", poses(), ids=list(PAPER_POSES))
-def test_the_faithful_mode_solves_them(target: sn.Target) -> None:
-    solution = sn.Solver(arm(5, 6.0), tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target)
+def test_the_faithful_mode_solves_them_and_the_literal_exponent_does_not(target: sn.Target) -> None:
+    def run(**changes: Any) -> sn.Solution:
+        return sn.Solver(arm(5, 6.0), tolerance=EXACT, method=methods.OptiPath.faithful(**changes)).solve(target)
+
+    solution = run()
     assert solution.solved
     assert solution.iterations <= 60
+    for metric in ("acceleration", "identity"):
+        literal = run(exponent="literal", metric=metric, orientation="norm", largest_step=0.0)
+        assert not literal.solved
+        assert literal.worst is not None
 
 
 def test_a_goal_straight_ahead_needs_a_bow() -> None:

@@ -4,11 +4,11 @@ Arc j = 1 .. n leads from point j - 1 to point j and costs
 
     F_j = w_length (l_j - l_0)^2 + w_obstacles beta (l_j / S) sum_s c(y_j(u_s)) + w_bends l_0^2 (bend beyond its cap)^2
 
-and, the last one, w_orientation l_0^2 |t_n - t*|^2. All have the unit of a squared length.
+and, the last one, w_orientation l_0^2 |t_n - t*|^2 (or without the square). All have the unit of a squared length.
 Points themselves cost `w_obstacles v_i c(p_i)`, where v_i, the mean length of their two arcs, is held fixed.
 
-The update of point i sums `alpha^k dF_j / dp_i` over the arcs j from i on, where k is max(0, j - i - 1), so that both
-arcs that meet in the point count in full. With j - i, as the paper prints it, its method solves nothing.
+The update of point i sums `alpha^k dF_j / dp_i` over the arcs j from i on, where k is j - i in the
+paper, or what is here called adjacent: max(0, j - i - 1), so that both arcs that meet in the point count in full.
 """
 
 import math
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from sinuous.kernels.clock import SEGMENT_WORK, spend
 from sinuous.kernels.fields.distances import work_of_all
-from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, dot, get_vec, put_vec, scale, sub
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
 from sinuous.methods.opti_path.path import (
     Aim,
     Arc,
@@ -35,7 +35,9 @@ from sinuous.methods.opti_path.path import (
 )
 
 Gradient = Literal["adjoint", "differences"]
-Schedule = Literal["constant", "gated"]
+Exponent = Literal["adjacent", "literal"]
+OrientationCost = Literal["squared", "norm"]
+Schedule = Literal["constant", "length", "orientation", "cooling", "gated"]
 Metric = Literal["identity", "difference", "acceleration"]
 PotentialKind = Literal["grid", "exact"]
 
@@ -46,10 +48,13 @@ class OptiPathArguments(TypedDict, total=False):
     gradient: Gradient
     disturbance: float
     attenuation: float
+    exponent: Exponent
+    orientation: OrientationCost
     length_weight: float
     orientation_weight: float
     obstacle_weight: float
     schedule: Schedule
+    cooling: float
     metric: Metric
     regularisation: float
     largest_step: float
@@ -77,6 +82,8 @@ else:
     """The options of the method, in the order of its class, as numbers."""
 
 ADJOINT, DIFFERENCES = 0.0, 1.0
+ADJACENT, LITERAL = 0.0, 1.0
+SQUARED, NORM = 0.0, 1.0
 
 Weights = namedtuple("Weights", ["length", "orientation", "obstacles", "bends"])
 """The weights of one iteration."""
@@ -87,24 +94,27 @@ def beyond(value: float, low: float, high: float) -> float:
     return value - high if value > high else min(0.0, value - low)
 
 
-def turn_cost(weights: Weights, aim: Aim, t: Vec) -> tuple[float, Vec]:
+def turn_cost(setting: Setting, weights: Weights, aim: Aim, t: Vec) -> tuple[float, Vec]:
     """Cost of the last tangent `t` and its gradient."""
     scaled = weights.orientation * aim.unit * aim.unit
     miss = sub(t, aim.direction)
-    return scaled * dot(miss, miss), scale(2.0 * scaled, miss)
+    if setting.orientation == SQUARED:
+        return scaled * dot(miss, miss), scale(2.0 * scaled, miss)
+    far = norm(miss)
+    return scaled * far, scale(scaled / far, miss) if far > 0.0 else ZERO
 
 
-def shape_cost(weights: Weights, aim: Aim, path: Path, k: int, arc: Arc) -> float:
+def shape_cost(setting: Setting, weights: Weights, aim: Aim, path: Path, k: int, arc: Arc) -> float:
     """Cost of an arc apart from obstacles."""
     miss = beyond(arc.length, path.wanted[k, 0], path.wanted[k, 1])
     over = max(0.0, 2.0 * arc.x - path.wanted[k, 2])
     cost = weights.length * miss * miss + weights.bends * aim.unit * aim.unit * over * over
     if aim.directed and k == path.arcs.shape[0] - 1:
-        cost += turn_cost(weights, aim, end_tangent(arc))[0]
+        cost += turn_cost(setting, weights, aim, end_tangent(arc))[0]
     return cost
 
 
-def shape_pull(weights: Weights, aim: Aim, path: Path, k: int, arc: Arc) -> tuple[Vec, Vec]:
+def shape_pull(setting: Setting, weights: Weights, aim: Aim, path: Path, k: int, arc: Arc) -> tuple[Vec, Vec]:
     """Gradient of `shape_cost` in the chord and in the first tangent of the arc."""
     miss = beyond(arc.length, path.wanted[k, 0], path.wanted[k, 1])
     on_chord, on_tangent = pull_length(arc, 2.0 * weights.length * miss)
@@ -114,7 +124,7 @@ def shape_pull(weights: Weights, aim: Aim, path: Path, k: int, arc: Arc) -> tupl
         more = pull_weight(arc, force)
         on_chord, on_tangent = add(on_chord, more[0]), add(on_tangent, more[1])
     if aim.directed and k == path.arcs.shape[0] - 1:
-        more = pull_tangent(arc, turn_cost(weights, aim, end_tangent(arc))[1])
+        more = pull_tangent(arc, turn_cost(setting, weights, aim, end_tangent(arc))[1])
         on_chord, on_tangent = add(on_chord, more[0]), add(on_tangent, more[1])
     return on_chord, on_tangent
 
@@ -165,13 +175,19 @@ def speed(path: Path, i: int) -> float:
     return 0.5 * (path.arcs[i - 1, 14] + path.arcs[i, 14])
 
 
-def _collect(out: Array, k: int, own: Vec, place: Vec, turned: Vec, alpha: float) -> None:
-    """Add what pulls the chord of arc `k`, also through its end tangent, to its two points in `out` (n + 1, 3).
+def attenuated(setting: Setting) -> tuple[float, float, float]:
+    """Weights of the arc after a point, of what later arcs do to its end before that arc, and after it."""
+    alpha = setting.attenuation
+    if setting.exponent == LITERAL:
+        return alpha, alpha, alpha * alpha
+    return 1.0, 1.0, alpha
 
-    `alpha`: by how much later arcs count less at the beginning of the arc.
-    """
-    put_vec(out, k + 1, 0, add(get_vec(out, k + 1, 0), add(own, turned)))
-    start = add_scaled(sub(place, own), -alpha, turned)
+
+def _collect(out: Array, k: int, own: Vec, place: Vec, turned: Vec, factors: tuple[float, float, float]) -> None:
+    """Add what pulls the chord of arc `k`, also through its end tangent, to its two points in `out` (n + 1, 3)."""
+    next_own, before, after = factors
+    put_vec(out, k + 1, 0, add(get_vec(out, k + 1, 0), add_scaled(own, before, turned)))
+    start = add_scaled(scale(next_own, sub(place, own)), -after, turned)
     put_vec(out, k, 0, add(get_vec(out, k, 0), start))
 
 
@@ -191,7 +207,7 @@ def gradient_backwards(
     once for each arc that it is carried back over.
     """
     n = path.arcs.shape[0]
-    alpha = setting.attenuation
+    factors = attenuated(setting)
     for k in range(n + 1):
         put_vec(path.update, k, 0, ZERO)
         put_vec(path.avoid, k, 0, ZERO)
@@ -201,16 +217,16 @@ def gradient_backwards(
         if spend(clock, looks):
             break
         arc = get_arc(path.arcs, k)
-        own, on_tangent = shape_pull(weights, aim, path, k, arc)
+        own, on_tangent = shape_pull(setting, weights, aim, path, k, arc)
         turned, carried = pull_tangent(arc, later)
-        _collect(path.update, k, own, ZERO, turned, alpha)
-        later = add_scaled(on_tangent, alpha, carried)
+        _collect(path.update, k, own, ZERO, turned, factors)
+        later = add_scaled(on_tangent, setting.attenuation, carried)
         if obstacles:
             a = get_vec(path.points, k, 0)
             place, own, on_tangent = body_pull(potential, setting, weights, path, k, a, arc)
             turned, carried = pull_tangent(arc, later_avoid)
-            _collect(path.avoid, k, own, place, turned, alpha)
-            later_avoid = add_scaled(on_tangent, alpha, carried)
+            _collect(path.avoid, k, own, place, turned, factors)
+            later_avoid = add_scaled(on_tangent, setting.attenuation, carried)
             if k > 0 and in_the_open(path, k, arc.length, 0.0):
                 force = scale(weights.obstacles * speed(path, k), potential_at(potential, a)[1])
                 put_vec(path.avoid, k, 0, add(get_vec(path.avoid, k, 0), force))
@@ -233,11 +249,11 @@ def _costs_from(
     for k in range(i - 1, path.arcs.shape[0]):
         a = place if k == i else get_vec(path.points, k, 0)
         b = place if k == i - 1 else get_vec(path.points, k + 1, 0)
-        if k > i:
+        if k >= i and (setting.exponent == LITERAL or k > i):
             factor *= alpha
         arc = arc_between(a, b, t)
         t = end_tangent(arc)
-        shape += factor * shape_cost(weights, aim, path, k, arc)
+        shape += factor * shape_cost(setting, weights, aim, path, k, arc)
         if obstacles:
             body += factor * body_cost(potential, setting, weights, path, k, a, arc)
     if obstacles and in_the_open(path, i, 1.0, 0.0):

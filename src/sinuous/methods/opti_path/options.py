@@ -15,7 +15,15 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.methods.method import Capabilities, Options, choice, count, flag, number
-from sinuous.methods.opti_path.gradient import Gradient, Metric, OptiPathArguments, PotentialKind, Schedule
+from sinuous.methods.opti_path.gradient import (
+    Exponent,
+    Gradient,
+    Metric,
+    OptiPathArguments,
+    OrientationCost,
+    PotentialKind,
+    Schedule,
+)
 from sinuous.methods.opti_path.path import sample
 from sinuous.methods.opti_path.search import scratch_size, search
 from sinuous.model.robot import Robot
@@ -62,13 +70,21 @@ class OptiPath(Options):
     disturbance : float
         Step of the differences.
     attenuation : float
-        The paper's alpha: how much less an arc counts for every arc between it and the point that is moved. Both arcs
-        that meet in the point count in full: with the exponent that the paper prints, nothing is solved.
+        The paper's alpha: how much less an arc counts for every arc between it and the point that is moved.
+    exponent : str
+        `adjacent`: both arcs that meet in a point count in full. `literal`: the paper's formula, where the arc after
+        the point counts alpha already; with a small alpha it does not converge.
+    orientation : str
+        Cost of the last tangent: `squared` difference to the target's, or its `norm` as in the paper's words, which
+        has a kink at the solution.
     length_weight, orientation_weight, obstacle_weight : float
         The paper's alpha_2, alpha_3, alpha_1.
     schedule : str
-        How weights change: `constant`, or `gated`: what is met counts nothing while it is, so that it does not pull
-        against what is not.
+        How weights change, the paper's "simulated annealing" made deterministic: `constant`; `length` or `orientation`
+        (that one rises to its weight while the other falls to a tenth); `cooling` (all fall to a tenth); `gated` (what
+        is met counts nothing while it is, so that it does not pull against what is not).
+    cooling : float
+        Factor of the temperature from one iteration to the next.
     metric : str
         The paper's A: `identity`, `difference` (K, of neighbouring points), `acceleration` (K'K).
     regularisation : float
@@ -121,10 +137,13 @@ class OptiPath(Options):
     gradient: Gradient = choice("adjoint", get_args(Gradient))
     disturbance: float = number(2e-4, above=0.0, high=0.1)
     attenuation: float = number(0.5, low=0.0, high=1.0)
+    exponent: Exponent = choice("adjacent", get_args(Exponent))
+    orientation: OrientationCost = choice("squared", get_args(OrientationCost))
     length_weight: float = number(1.0, low=0.0)
     orientation_weight: float = number(0.25, low=0.0)
     obstacle_weight: float = number(0.3, low=0.0)
     schedule: Schedule = choice("gated", get_args(Schedule))
+    cooling: float = number(0.97, above=0.0, high=1.0)
     metric: Metric = choice("difference", get_args(Metric))
     regularisation: float = number(5.0, above=0.0)
     largest_step: float = number(0.2, low=0.0)
@@ -148,7 +167,7 @@ class OptiPath(Options):
     def faithful(cls, **changes: Unpack[OptiPathArguments]) -> Self:
         """Return the paper's method without repairs, with central differences; `changes` are other options.
 
-        Only what did not work is not literal: the exponent of the attenuation and the square of the orientation cost.
+        Only what could not work is not literal: the exponent of the attenuation and the square of the orientation cost.
         """
         values: dict[str, Any] = {**FAITHFUL, **changes}
         return cls(**values)

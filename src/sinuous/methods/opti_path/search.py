@@ -243,19 +243,36 @@ def begin_path(problem: Problem, check: Check, work: Work, aim: Aim, start: Star
     return RANDOM
 
 
-GATED = 1.0
+CONSTANT, BY_LENGTH, BY_ORIENTATION, COOLING, GATED = 0.0, 1.0, 2.0, 3.0, 4.0
 IDENTITY, DIFFERENCE, ACCELERATION = 0.0, 1.0, 2.0
 
+LEAST = 0.1
+"""What is left of a weight when its schedule has taken it down."""
 
-def scheduled(setting: Setting, long: bool, turned: bool) -> Weights:
-    """The weights of an iteration; `long` and `turned` say whether lengths and orientation are still off.
 
-    Where the schedule is gated, what is met already counts nothing.
+def scheduled(setting: Setting, iteration: int, long: bool, turned: bool) -> Weights:
+    """The weights of this iteration; `long` and `turned` say whether lengths and orientation are still off.
+
+    With the temperature T = cooling ^ iteration: constant; length up from 0.1 to 1 and orientation down as T falls;
+    the other way round; all down; or gated, where what is met already counts nothing.
     """
-    gated = setting.schedule == GATED
-    length = 0.0 if gated and not long else setting.length_weight
-    orientation = 0.0 if gated and not turned else setting.orientation_weight
-    return Weights(length, orientation, setting.obstacle_weight, setting.bend_weight)
+    length, orientation, all_of_them = 1.0, 1.0, 1.0
+    warm = LEAST + (1.0 - LEAST) * setting.cooling**iteration
+    cold = 1.0 + LEAST - warm
+    if setting.schedule == BY_LENGTH:
+        length, orientation = cold, warm
+    elif setting.schedule == BY_ORIENTATION:
+        length, orientation = warm, cold
+    elif setting.schedule == COOLING:
+        all_of_them = warm
+    elif setting.schedule == GATED:
+        length, orientation = 1.0 if long else 0.0, 1.0 if turned else 0.0
+    return Weights(
+        all_of_them * length * setting.length_weight,
+        all_of_them * orientation * setting.orientation_weight,
+        all_of_them * setting.obstacle_weight,
+        all_of_them * setting.bend_weight,
+    )
 
 
 def project(path: Path) -> None:
@@ -335,7 +352,7 @@ def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
 
 
 def read_setting(options: Array) -> Setting:
-    """Name the first numbers of the `options`."""
+    """Name the first 28 numbers of the `options`."""
     return Setting(*first_of(options, OPTIONS))
 
 
@@ -377,7 +394,7 @@ def settle(problem: Problem, check: Check, work: Work, aim: Aim, source: int, an
     Returns the number of iterations.
     """
     path, q, setting, _ = work
-    weights = scheduled(setting, True, True)
+    weights = scheduled(setting, 0, True, True)
     count = int(setting.settle)
     for _ in range(count):
         if late(check.clock):
@@ -419,7 +436,7 @@ def improve(problem: Problem, check: Check, work: Work, aim: Aim, source: int, a
             break
         if spend(check.clock, SEGMENT_WORK * q.shape[0]):
             break
-        weights = scheduled(setting, long > 0.0, turn > problem.angle_tolerance)
+        weights = scheduled(setting, iteration, long > 0.0, turn > problem.angle_tolerance)
         iteration += 1
         far = descend(problem, check, work, weights, aim, obstacles)
         if not far > STILL * aim.unit or not math.isfinite(far):

@@ -13,7 +13,7 @@ import sinuous as sn
 from sinuous.answer.remedies import Remedy
 from sinuous.model.segment import straight
 from sinuous.view.page.model import History, PageModel, problem_text, read_problem
-from sinuous.view.page.session import QUICK_SECONDS, solve_question
+from sinuous.view.page.session import QUICK_SECONDS, Solvers
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 BALL = sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")
@@ -47,13 +47,13 @@ def test_a_target_is_moved_and_turned_as_far_as_it_asks() -> None:
 
 
 def test_answers_to_questions_of_before_are_dropped() -> None:
-    page = model()
+    page, solvers = model(), Solvers(routes=False)
     old = page.question()
     page.place_target(0, np.array([0.9, 0.1, 2.0]))
-    assert not page.accept(old.number, solve_question(old))
+    assert not page.accept(old.number, solvers.solve(old))
     assert page.answer is None
     new = page.question()
-    solution = solve_question(new, QUICK_SECONDS)
+    solution = solvers.solve(new, QUICK_SECONDS)
     assert page.accept(new.number, solution)
     assert page.answer is solution
     np.testing.assert_array_equal(page.shown, solution.q)
@@ -62,11 +62,11 @@ def test_answers_to_questions_of_before_are_dropped() -> None:
 
 
 def test_solvers_see_obstacles_that_moved_came_and_went() -> None:
-    page = model()
+    page, solvers = model(), Solvers(routes=False)
 
     def answered() -> sn.Solution:
         question = page.question()
-        solution = solve_question(question)
+        solution = solvers.solve(question)
         page.accept(question.number, solution)
         assert solution.problem.scene is page.scene
         return solution
@@ -86,13 +86,23 @@ def test_solvers_see_obstacles_that_moved_came_and_went() -> None:
     assert answered().status == "solved"
 
 
+def test_a_solver_is_made_once_while_targets_move() -> None:
+    """The method `learned` trains its networks when a solver is made."""
+    page, solvers = model(), Solvers(routes=False)
+    first = solvers.solver(page.question())
+    page.place_target(0, np.array([0.9, 0.1, 2.0]))
+    assert solvers.solver(page.question()) is first
+    page.set_method("dls", "newton", 0, 0.5)
+    assert solvers.solver(page.question()) is not first
+
+
 def test_a_shape_that_is_bent_by_hand_stays_until_something_is_asked() -> None:
     page = model()
     page.bend(1, 0.5, -0.25, 0.9)
     np.testing.assert_array_equal(page.q[1], (0.5, -0.25, 0.9))
     assert page.by_hand
     question = page.question()
-    assert not page.accept(question.number, solve_question(question))
+    assert not page.accept(question.number, Solvers(routes=False).solve(question))
     page.solve_from_here()
     assert not page.by_hand
     np.testing.assert_array_equal(page.question().initial[1], (0.5, -0.25, 0.9))
@@ -142,19 +152,19 @@ def test_what_was_decided_is_taken_back_step_by_step() -> None:
 
 def test_remedies_are_applied_to_what_is_on_the_page() -> None:
     ball = sn.Sphere((1, 0, 2), radius=0.2, name="at the target")
-    page = model(scene=[BALL, ball])
-    found = solve_question(page.question())
+    page, solvers = model(scene=[BALL, ball]), Solvers(routes=False)
+    found = solvers.solve(page.question())
     assert page.accept(page.number, found)
     remedies = {remedy.change: remedy for remedy in found.explain(time=60.0).remedies}
     page.apply(remedies["obstacle at the target"])
     assert [page.scene.name(i) for i in range(len(page.scene))] == ["ball"]
     assert page.targets[0].equals(found.problem.targets[0])
-    assert solve_question(page.question()).solved
+    assert solvers.solve(page.question()).solved
     page = model(scene=[BALL, ball])
-    page.accept(page.number, solve_question(page.question()))
+    page.accept(page.number, solvers.solve(page.question()))
     page.apply(remedies["target position"])
     assert len(page.scene) == 2
-    assert solve_question(page.question()).solved
+    assert solvers.solve(page.question()).solved
     page.apply(Remedy("time", 1.0, 4.0))
     assert page.settings.time == 4.0
     with pytest.raises(sn.InputError, match="from Python"):
@@ -203,14 +213,14 @@ def test_joints_stay_where_segments_are_changed() -> None:
 
 
 def test_a_second_method_begins_from_its_own_shape() -> None:
-    page = model()
+    page, solvers = model(), Solvers(routes=False)
     assert page.question_beside() is None
     page.set_method("newton", "newton", 3, 0.5)
-    page.accept(page.number, solve_question(page.question()))
+    page.accept(page.number, solvers.solve(page.question()))
     second = page.question_beside()
     assert second is not None
     np.testing.assert_array_equal(second.initial, straight(ROBOT.segments))
-    solution = solve_question(second)
+    solution = solvers.solve(second)
     assert page.accept_beside(second.number, solution)
     page.place_target(0, np.array([0.9, 0.0, 2.0]))
     assert page.beside is None

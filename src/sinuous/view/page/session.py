@@ -126,32 +126,53 @@ def memory_for(memory: Memory | None, robot: Robot) -> Memory | None:
     return memory if memory is not None and memory._serves(robot) else None
 
 
-def solver_for(question: PageQuestion, *, routes: bool = True, memory: Memory | None = None) -> Solver:
-    """Return a solver for what is asked; with a memory of its robot solves begin from that, and add to it.
+class Solvers:
+    """Answers questions, one after the other, in one thread.
 
-    Raises
-    ------
-    InputError
-        When the method does not handle the robot, or what is preferred.
+    Parameters
+    ----------
+    routes : bool
+        Whether to search for routes where the first starts fail.
+    memory : Memory, optional
+        Shapes to begin from, as long as the robot is theirs; what is solved is added.
     """
-    job, own = question.job, question.settings
-    options = SolveOptions(
-        tolerance=job.tolerance,
-        method=own.method,
-        prefer=job.prefer,
-        time=own.time,
-        seed=own.seed,
-        routes=routes,
-        memory=memory_for(memory, job.robot),
-    )
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SuspiciousInput)  # the notes of the page say it
-        return Solver._for_one_query(job.robot, Scene.of(question.scene), **vars(options))
 
+    def __init__(self, routes: bool, memory: Memory | None = None) -> None:
+        self._routes, self._memory = routes, memory
+        self._known: tuple[Any, ...] | None = None
+        self._solver: Solver | None = None
 
-def solve_question(question: PageQuestion, time: float | None = None, **options: Any) -> Solution:
-    """Meet the targets from the shape on the page, in `time` seconds, by default that of the question."""
-    return solver_for(question, **options).solve(question.targets, question.initial, time=time)
+    def solver(self, question: PageQuestion) -> Solver:
+        """Return a solver for what is asked.
+
+        Raises
+        ------
+        InputError
+            When the method does not handle the robot, or what is preferred.
+        """
+        job, own, snapshot = question.job, question.settings, question.scene
+        place = len(snapshot) if own.method == "newton" else snapshot  # others sample the scene once
+        known = (job.robot, job.tolerance, job.prefer, own.method, own.seed, own.time, place)
+        if self._solver is None or known != self._known:
+            options = SolveOptions(
+                tolerance=job.tolerance,
+                method=own.method,
+                prefer=job.prefer,
+                time=own.time,
+                seed=own.seed,
+                routes=self._routes,
+                memory=memory_for(self._memory, job.robot),
+            )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", SuspiciousInput)  # the notes of the page say it
+                self._solver = Solver._for_one_query(job.robot, Scene.of(snapshot), **vars(options))
+            self._known = known
+        self._solver.scene.become(snapshot)
+        return self._solver
+
+    def solve(self, question: PageQuestion, time: float | None = None) -> Solution:
+        """Meet the targets from the shape on the page; `time` in seconds, by default that of the question."""
+        return self.solver(question).solve(question.targets, question.initial, time=time)
 
 
 class Session(ABC):
@@ -215,6 +236,8 @@ class Session(ABC):
         self._asked, self._busy, self._refreshed = -1, False, 0.0
         self._stopping = threading.Event()
         self._memory = memory
+        self._quick = Solvers(routes=False, memory=memory)
+        self._thorough, self._second = Solvers(routes=True, memory=memory), Solvers(routes=True)
         self._solving = Worker("solving", self._failed)
         self._solving_beside = Worker("solving-beside", self._failed)
         self._background = Worker("background", self._failed)
@@ -337,8 +360,7 @@ class Session(ABC):
         """Solve for some milliseconds, by the method that needs no more; others may have to be compiled first."""
         question, own = self.model.question(), self.model.settings
         if question.targets and own.method == "newton":
-            seconds = min(QUICK_SECONDS, own.time)
-            self.model.accept(question.number, solve_question(question, seconds, routes=False, memory=self._memory))
+            self.model.accept(question.number, self._quick.solve(question, min(QUICK_SECONDS, own.time)))
 
     def _stands(self, question: PageQuestion) -> bool:
         """Wait a moment; return whether the question is still asked."""
@@ -349,7 +371,7 @@ class Session(ABC):
         if not self._stands(question):
             return
         try:
-            solution = solve_question(question, memory=self._memory)
+            solution = self._thorough.solve(question)
         finally:
             self._owner.post("busy", partial(self._rest, question.number))
         self._owner.post("answer", lambda: self.model.accept(question.number, solution))
@@ -359,7 +381,7 @@ class Session(ABC):
 
     def _solve_beside(self, question: PageQuestion) -> None:
         if self._stands(question):
-            solution = solve_question(question)
+            solution = self._second.solve(question)
             self._owner.post("beside", lambda: self.model.accept_beside(question.number, solution))
 
     # What people do
@@ -402,7 +424,7 @@ class Session(ABC):
         question = self.model.question()
 
         def find() -> list[Solution]:
-            found = solver_for(question, memory=self._memory).solve_all(question.targets, count=count)
+            found = self._thorough.solver(question).solve_all(question.targets, count=count)
             if not found:
                 raise InputError("solutions", "none was found", 0, "a target that can be met")
             return found

@@ -48,6 +48,7 @@ def test_all_rows_of_a_table_are_solved(run: Run) -> None:
     run(f"{BATCH} --out own.csv --columns s2.length,clearance")
     assert Path("own.csv").read_text().splitlines()[0] == "row,status,s2.length,clearance"
     assert run(f"{BATCH} --out out.csv --json").results[0]["before"] == 2
+    assert run(f"{BATCH} --out out.csv --warm").err.startswith("note: --warm: does nothing any more; use --memory")
     fast = "--out out.npz --max-starts 4 --no-routes"
     assert "invalid    rows 4" in run(f"batch arm.yaml --targets in.csv {fast}", 1).out
 

@@ -124,6 +124,7 @@ class Batch:
     crew: Working
     chunk: int = opt("What is solved, and written, together.", "ROWS", 10_000)
     shard: str | None = opt("Only this part of the chunks; without it, all parts are joined.", "I/N")
+    warm: bool = opt("Gone: see --memory.", default=False, flag=True, hidden=True)
     json: bool = flag(JSON)
 
 

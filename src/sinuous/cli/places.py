@@ -9,7 +9,7 @@ from sinuous.base.documents import described
 from sinuous.base.errors import InputError
 from sinuous.cli.app import Batch, Explore, Reach, Train
 from sinuous.cli.options import SOLVED, UNSOLVED, as_typed, check_outputs, names_in
-from sinuous.cli.reading import interruptible, remembered, say, setting_of
+from sinuous.cli.reading import interruptible, remembered, say, say_notes, setting_of
 from sinuous.methods.learned import train
 from sinuous.solver.memory import Memory
 from sinuous.studies.batch.solve import solve_batch
@@ -25,6 +25,8 @@ def batch_file(asked: Batch) -> int:
     """Solve all rows of a table; return the exit code."""
     solving = asked.solving
     solving.arguments()
+    if asked.warm:
+        say_notes({"--warm": ("does nothing any more; use --memory",)})
     chosen = {"columns": names_in(asked.columns), "shard": read_shard(asked.shard)}
     run = {"chunk": asked.chunk, **chosen, **asked.crew.arguments()}
     with (

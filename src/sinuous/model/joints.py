@@ -517,11 +517,11 @@ def with_links(table: list[list[float]], rigid: RigidRows) -> list[list[float]]:
     return table
 
 
-SAMPLES = 100
-"""Configurations that are tried."""
+OVERLAP_SAMPLES = 100
+"""Random configurations in which it is looked whether links overlap."""
 
-NEARLY_ALL = 0.95
-"""Share of them from which on it is told."""
+NEARLY_ALWAYS = 0.95
+"""Share of them from which on an overlap is told."""
 
 
 def overlap_notes(rigid: RigidRows, joint_names: Sequence[str], begins: Callable[[Floats], Floats]) -> Iterator[str]:
@@ -538,19 +538,19 @@ def overlap_notes(rigid: RigidRows, joint_names: Sequence[str], begins: Callable
     if not pairs:
         return
     low, high = np.array([joint.limits for joint in rigid.moving]).T
-    poses = begins(np.random.default_rng(0).uniform(low, high, (SAMPLES, len(low))))
+    poses = begins(np.random.default_rng(0).uniform(low, high, (OVERLAP_SAMPLES, len(low))))
     capsules = []
     for k, row in rows:
         start = poses[:, k, :3, 3]
         capsules.append((start, start + row.length[1] * poses[:, k, :3, 2], row.radius))
     names = ("base", *joint_names)
     for (a, b), own in pairs.items():
-        overlap = np.zeros(SAMPLES, np.bool_)
+        overlap = np.zeros(OVERLAP_SAMPLES, np.bool_)
         for i, j in own:
             (p, q, r), (u, v, s) = capsules[i], capsules[j]
             overlap |= segment_distances(p, q, u, v) < r + s
-        if overlap.mean() >= NEARLY_ALL:
-            seen = f"overlap in {int(overlap.sum())} of {SAMPLES} random configurations"
+        if overlap.mean() >= NEARLY_ALWAYS:
+            seen = f"overlap in {int(overlap.sum())} of {OVERLAP_SAMPLES} random configurations"
             yield f"links of {names[a]} and {names[b]} {seen}: `touches` of {names[b]}, or an SRDF, allows it"
 
 

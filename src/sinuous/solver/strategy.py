@@ -62,9 +62,11 @@ SCATTERED_FIRST = 3
 """Scattered starts before any route is looked for, where that takes longer than they do: beside meshes, unless these
 enclose the base, and where nothing has edges (plates, shelf)."""
 
-CELLS_A_START, CELLS_A_START_AMONG_MANY = 250, 2500
-"""Cells that a search looks at in the time of one scattered start (halls, doors), and the same where there is a tree
-over the obstacles (rods, sheets)."""
+CELLS_A_START = 250
+"""Cells that a search examines in the time of one scattered start (halls, doors)."""
+
+CELLS_A_START_AMONG_MANY = 2500
+"""The same among so many obstacles that there is a tree over them (rods, sheets)."""
 
 PRIORITY_AFTER_EDGES = 14
 """Priority of the first search over cells, where a route around edges is known: what is tried along that comes before
@@ -122,10 +124,13 @@ PRIORITY_UNGUIDED = 2.0
 """Priority of a beam without a route, for each chain that it keeps: a route is quicker where there is one (folded,
 cells)."""
 
-PRIORITY_AMONG_MANY, PRIORITY_UNGUIDED_AMONG_MANY = 1.7, 0.02
-"""Priority of beams without a route among so many obstacles that there is a tree over them, and what is added for each
-chain: there the body can follow hardly any route, but one with room (`RouteCandidates.add_route`), along which chains
-are grown first (rods, sheets, box duct)."""
+PRIORITY_AMONG_MANY = 1.7
+"""Priority of beams without a route among so many obstacles that there is a tree over them: there the body can follow
+hardly any route, but one with room (`RouteCandidates.add_route`), along which chains are grown first (rods, sheets, box
+duct)."""
+
+PRIORITY_UNGUIDED_AMONG_MANY = 0.02
+"""What is added to it for each chain that a beam keeps."""
 
 PRIORITY_SIDE_TUBES_AMONG_MANY = 2.5
 """Priority of a route through tubes there: looking for them takes longer than the first beams (rods)."""

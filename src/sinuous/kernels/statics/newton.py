@@ -23,9 +23,14 @@ LARGEST_TURN = 1.5
 LARGEST_STRETCH = 0.3
 """Most that an arc changes its length in a step, relative to its length without load."""
 
-FIRST_STIFFER, STIFFER, MOST_STIFFER = 0.1, 3.0, 1e6
-"""By what share of their stiffness all arcs are made stiffer where a step leads up or too far, at first; by how many
-times as much then; and at most."""
+FIRST_STIFFER = 0.1
+"""By what share of their stiffness all arcs are made stiffer at first, where a step leads up or too far."""
+
+STIFFER = 3.0
+"""By how many times as much they are made stiffer then, until it does not."""
+
+MOST_STIFFER = 1e6
+"""The largest share."""
 
 CONVERGED = 1e-9
 """Change, rad and relative lengths, that ends it: what is left then is rounding, as steps end quadratically."""

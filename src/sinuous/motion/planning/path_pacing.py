@@ -22,8 +22,9 @@ SHARE = 0.3
 """Share of the time left that pacing one path may take."""
 
 MOST_INTERVALS = 400
+"""Most intervals of a motion."""
 
-INTERVALS = 16
+EVEN_INTERVALS = 16
 """Intervals in which the path would be passed without obstacles, about so many."""
 
 FASTEST = 8
@@ -47,7 +48,7 @@ class PathState(NamedTuple):
 
 
 class _Reached(NamedTuple):
-    """The state at the interval before, and what is proved (14,) of the step."""
+    """The state an interval before, and what is proved (14,) of the step."""
 
     before: PathState
     answer: Floats | None
@@ -89,7 +90,7 @@ def pace_path(query: TimedQuery, path: Floats) -> ProvedPath | None:
 def _back_from(
     grid: "_PathGrid", reached: dict[tuple[int, PathState], _Reached], last: int, end: PathState
 ) -> ProvedPath:
-    """Return the path that leads to a state at the last interval."""
+    """Return the path that leads to a state after `last` intervals."""
     state, places, answers = end, [end.place], []
     for k in range(last, 0, -1):
         state, answer = reached[k, state]
@@ -119,7 +120,7 @@ class _PathGrid:
     left: Floats
 
     def next(self, k: int, state: PathState) -> Iterator[PathState]:
-        """Yield the states that may follow at interval k + 1 on one at interval k."""
+        """Yield the states that may follow, after k + 1 intervals, on one after k."""
         place, passed = state
         allowed = self.fast[place] & (self.still[place] if k == 0 else self.smooth[place, :, passed + FASTEST])
         for step in (np.flatnonzero(allowed) - FASTEST).tolist():
@@ -127,7 +128,7 @@ class _PathGrid:
                 yield PathState(place + step, step if self.limited else 0)
 
     def worth(self, k: int, state: PathState) -> tuple[float, float]:
-        """Return what a state at interval k is worth, the least first.
+        """Return what a state after k intervals is worth, the least first.
 
         To be early it is best to have few intervals left.
         With a duration that is given it is best to go on evenly, so that the robot neither stands long where obstacles
@@ -138,7 +139,7 @@ class _PathGrid:
         return k + HASTE * left if self.early else last - k + HASTE * abs(left - even), -k
 
     def ends(self, k: int, state: PathState) -> bool:
-        """Whether the motion may end in a state at interval k."""
+        """Whether the motion may end in a state after k intervals."""
         arrived = self.left[state.place, state.passed + FASTEST] == 0.0
         return bool(arrived and (self.early or k == len(self.times) - 1))
 
@@ -154,7 +155,7 @@ def _grid_of(query: TimedQuery, path: Floats) -> _PathGrid | None:
     tops = np.minimum(speeds, np.sqrt(gains))
     ramps = np.divide(tops, gains, out=np.zeros(len(tops)), where=np.isfinite(gains))
     ramp = float(ramps.max(initial=0.0))
-    interval = max((float((1.0 / tops).sum()) + ramp) / INTERVALS, 2.0 * ramp / FASTEST, window / MOST_INTERVALS)
+    interval = max((float((1.0 / tops).sum()) + ramp) / EVEN_INTERVALS, 2.0 * ramp / FASTEST, window / MOST_INTERVALS)
     counts = _counts(speeds, gains, interval)
     while counts.sum() > MOST_PIECES:
         interval *= 1.25
@@ -173,7 +174,7 @@ def _counts(speeds: Floats, gains: Floats, interval: float) -> NDArray[np.intp]:
     return np.maximum(1, np.ceil(1.0 / most - ROUNDING)).astype(np.intp)
 
 
-def _allowed(query: TimedQuery, places: Floats, intervals: Floats, interval: float) -> _PathGrid:
+def _allowed(query: TimedQuery, places: Floats, times: Floats, interval: float) -> _PathGrid:
     """Say which steps rates and accelerations allow."""
     count, jumps = len(places), np.arange(-FASTEST, FASTEST + 1)
     to, back = np.arange(count)[:, None] + jumps, np.arange(count)[:, None] - jumps
@@ -187,10 +188,8 @@ def _allowed(query: TimedQuery, places: Floats, intervals: Floats, interval: flo
     square = least / interval
     smooth = (query.gains(turns.reshape(flat)) >= square).reshape(turns.shape[:3]) & came[:, None]
     still, stops = ((query.gains(each.reshape(flat)) >= 2.0 * square).reshape(fast.shape) for each in (on, before))
-    left = _intervals_left(fast, smooth, stops & came, len(intervals))
-    return _PathGrid(
-        places, intervals, query.early, query.accelerations is not None, fast, smooth, still & is_there, left
-    )
+    left = _intervals_left(fast, smooth, stops & came, len(times))
+    return _PathGrid(places, times, query.early, query.accelerations is not None, fast, smooth, still & is_there, left)
 
 
 def _intervals_left(
@@ -210,12 +209,12 @@ def _intervals_left(
 
 
 def _grid_times(query: TimedQuery, interval: float, count: int) -> Floats:
-    """Return the ends (count + 1,) of intervals; where the duration is given, they fill it to the last digit."""
+    """Return the times (count + 1,) at which intervals begin and end; a duration that is given, they fill exactly."""
     if query.early:
         return query.begin + interval * np.arange(count + 1.0)
-    intervals = query.begin + (query.end - query.begin) / count * np.arange(count + 1.0)
-    intervals[-1] = query.end
-    return intervals
+    times = query.begin + (query.end - query.begin) / count * np.arange(count + 1.0)
+    times[-1] = query.end
+    return times
 
 
 def cut(path: Floats, counts: NDArray[np.intp]) -> Floats:

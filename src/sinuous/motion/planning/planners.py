@@ -28,23 +28,36 @@ EASY = 16
 """Draws of the first trees among very many obstacles; before the next ones, it is listed where which of them are near.
 """
 
-FIRST_DRAWS, MORE_DRAWS, LAST_DRAWS = 64, 256, 1024
-"""Draws of trees that grow from the ends as they are, in all: before more goals are looked for, and goals are drawn
-back."""
+FIRST_DRAWS = 64
+"""Draws of trees that grow from the ends as they are, before more goals are looked for."""
 
-FIRST_GOALS, FIRST_STEPS = 2, 16
-"""Goals that are drawn back a little, by so many steps, before any is drawn back as far as that goes."""
+MORE_DRAWS = 256
+"""The same in all, before goals are drawn back a little."""
 
-DRAWS, MOST_DRAWS = 256, 2**20
-"""Draws of trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
+LAST_DRAWS = 1024
+"""The same in all, before the first turn that draws an end back as far as that goes."""
+
+FIRST_GOALS = 2
+"""Goals that are drawn back a little."""
+
+FIRST_STEPS = 16
+"""By how many steps."""
+
+DRAWS = 256
+"""Draws of trees in the first turn; in each turn they are planted anew, with twice as many."""
+
+MOST_DRAWS = 2**20
+"""Most draws in one turn."""
 
 TURNS_OF_START = (2, 4)
 """Turns in which the start is drawn back, each time beginning with another kind of retraction; in others, a goal."""
 
-RETRACTED_DRAWS, MOST_RETRACTED_DRAWS = 24, 192
-"""Draws of the contact-retraction trees in a turn that has drawn back an end, and in others: a retraction of another
-kind often leads to where it takes few of them. In the first turn they have none: straight trees are sooner where they
-get there."""
+RETRACTED_DRAWS = 24
+"""Draws of the contact-retraction trees in a turn that has drawn back an end: a retraction of another kind often leads
+to where it takes few of them. In the first turn they have none: straight trees are sooner where they get there."""
+
+MOST_RETRACTED_DRAWS = 192
+"""The same in turns that have drawn back none."""
 
 ROOTS = 12
 """Knots of one retraction that trees grow from."""
@@ -59,27 +72,33 @@ SHARE = 0.1
 """Share of the time left that planning a path to be paced may take."""
 
 
-TURNS, SHARE_OF_TREES = 6, 0.5
-"""Turns, and the share of the time left, of planners that do not know limits of tensions, where there are any."""
+TURNS_WITH_TENSIONS = 6
+"""Turns of the search that does not know limits of tensions, where there are any."""
+
+SHARE_WITH_TENSIONS = 0.5
+"""Share of the time left that these may take."""
 
 
-def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None = None) -> ProvedPath | None:
+def find_path(query: Query, trees: RRTConnect | None = None) -> ProvedPath | None:
     """Look for a path turn by turn; `None` when the time is over.
 
     Under load only a tree grows, whose edges are proved one by one. So it does, after a while, where tensions are
     limited: other trees do not know these.
 
-    `trees`: memory of this robot and scene, to grow trees in. `turns`: most turns; by default as many as the time
-    allows.
+    `trees`: memory of this robot and scene, to grow trees in.
     """
     if query.robot.has_external_load:
         return _by_proofs(query)
-    if query.robot.limit_set.tension_rows is not None and turns is None:
-        first = replace(query, deadline=Deadline(SHARE_OF_TREES * query.deadline.left()))
-        path = find_path(first, trees, TURNS)
-        return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else _by_proofs(query)
-    paths = PlanSearch(query, trees or RRTConnect(query.robot, query.scene)).paths()
-    return next((path for path in islice(paths, turns) if path is not None), None)
+    trees = trees or RRTConnect(query.robot, query.scene)
+    if query.robot.limit_set.tension_rows is None:
+        return _first_path(PlanSearch(query, trees).paths())
+    first = replace(query, deadline=Deadline(SHARE_WITH_TENSIONS * query.deadline.left()))
+    path = _first_path(islice(PlanSearch(first, trees).paths(), TURNS_WITH_TENSIONS))
+    return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else _by_proofs(query)
+
+
+def _first_path(paths: Iterator[ProvedPath | None]) -> ProvedPath | None:
+    return next((path for path in paths if path is not None), None)
 
 
 class PlanSearch:

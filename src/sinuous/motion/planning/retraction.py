@@ -32,7 +32,7 @@ OF_CURVE = 20
 
 KINDS = (True, False)
 """Kinds of retractions: whether only what is beyond the tip of the other end slides, and the rest goes to where it is
-there."""
+there; or all slides."""
 
 WAYS = len(KINDS) * (len(CLEARANCES) + 1)
 """Kinds, each with every room: what is tried first, and, where that is stuck, what goes on from there."""
@@ -40,8 +40,8 @@ WAYS = len(KINDS) * (len(CLEARANCES) + 1)
 DAMPING = 1e-3
 """Of the motion with which a body slides back, as a share of the mean diagonal entry of its normal matrix."""
 
-TURNS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(1, 2, 0).reshape(3, 9)
-"""From an arm (3,) to what makes of a rate of rotation the velocity of its end (3, 3), flat."""
+VELOCITY_BY_ROTATION = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(1, 2, 0).reshape(3, 9)
+"""Times an arm (3,): the matrix (3, 3), flat, that makes of a rate of rotation the velocity of the end of the arm."""
 
 
 class Retraction:
@@ -128,7 +128,7 @@ def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Float
     units = np.tile([1.0, 1.0, robot.mean_length / n], n)
     ends, jacobian = robot.forward(q), robot._row_jacobian(q, n)
     arms = ends[:, :3, 3] - ends[-1, :3, 3]
-    moves = jacobian[3:] + (arms @ TURNS).reshape(n, 3, 3) @ jacobian[:3]  # (n, 3, 3 n), of every end
+    moves = jacobian[3:] + (arms @ VELOCITY_BY_ROTATION).reshape(n, 3, 3) @ jacobian[:3]  # (n, 3, 3 n), of every end
     moves *= (np.arange(3 * n) // 3 <= np.arange(n)[:, None])[:, None] * weights[:, None, None]
     rows, back = (moves.reshape(3 * n, 3 * n) * units) @ basis, (-by * weights[:, None] * ends[:, :3, 2]).ravel()
     hoped, normal = basis.T @ (wished.ravel() / units), rows.T @ rows

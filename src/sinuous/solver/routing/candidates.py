@@ -178,8 +178,8 @@ class RouteCandidates:
                 return None
         clear = finest or self._clear(route, self.query)
         weight = 1 + (not clear) + sum(other.clear >= clear for other in self.known)
-        if self._problem.scene.has_hierarchy:
-            weight += not self._has_room(route)
+        if self._problem.scene.has_hierarchy and not self._has_room(route):
+            weight += 1
         self.known.append(RouteCandidate(route, clear, 1 + len(self.known), weight))
         return self.known[-1]
 

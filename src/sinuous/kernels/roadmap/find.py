@@ -11,7 +11,8 @@ from sinuous.kernels.fields.distances import Scene, read_scene, work_of_all
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
 from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.freespace.query import Query, read_query, route_grid, straight_length
-from sinuous.kernels.maths import heap
+from sinuous.kernels.maths import buckets
+from sinuous.kernels.maths.buckets import Buckets
 from sinuous.kernels.maths.vectors import Array, get_vec, norm, put_vec, sub
 from sinuous.kernels.roadmap.places import put_places
 from sinuous.kernels.roadmap.sight import cuts, cutting, in_sight
@@ -41,14 +42,20 @@ MOST_CUTS, MOST_WORK = 1 << 22, 1 << 18
 """How many boxes and triangles are asked whether they cut a line, at most; and examines distances, see `kernels.clock`.
 """
 
+BUCKETS = 4096
+"""Buckets of the queue of lines: lines whose routes differ in length by less than some thousandth are alike."""
+
 RECENT = 16
 """How many of those are asked first whether they cut a line that cut one of late."""
 
-Roadmap = namedtuple("Roadmap", ["places", "cost", "before", "cut", "recent", "priority", "lines", "spare", "clock"])
+Roadmap = namedtuple("Roadmap", ["places", "cost", "before", "cut", "recent", "lines", "spare", "clock"])
 """Places (m, 3); by their number the cost (m,) of the route there, infinite while none is known, the place before
 (m,) int64, and what cut the last line to there that was examined (m,) int64, see `sight.cutting`, and what cut any
-of late (r,) int64; a heap of lines, priorities (l,) and lines (l,) int64: each is the number of the place that it
-leads from times `MOST_PLACES`, plus that of the one that it leads to; points (2 k, 3) to work with; the clock."""
+of late (r,) int64; what the queue of lines lies in (l,) int64: each is the number of the place that it leads from times
+`MOST_PLACES`, plus that of the one that it leads to; points (2 k, 3) to work with; the clock."""
+
+QUEUE = BUCKETS + 2 * MOST_LINES + buckets.MORE
+"""Numbers of the queue."""
 
 START_PLACE, GOAL_PLACE = 0, 1
 """The numbers of both ends."""
@@ -56,29 +63,34 @@ START_PLACE, GOAL_PLACE = 0, 1
 
 def roadmap_size(points: int) -> int:
     """Numbers (float64) that a search for a route of at most so many points works in."""
-    return 6 * MOST_PLACES + RECENT + 2 * MOST_LINES + 6 * points + CLOCK_SIZE
+    return 6 * MOST_PLACES + RECENT + QUEUE + 6 * points + CLOCK_SIZE
 
 
 def _carve(buffer: Array, points: int) -> Roadmap:
     """Lay out the memory of a search, see `roadmap_size`."""
-    work, spare = buffer[6 * MOST_PLACES :], buffer[6 * MOST_PLACES + RECENT + 2 * MOST_LINES :]
+    work, spare = buffer[6 * MOST_PLACES :], buffer[6 * MOST_PLACES + RECENT + QUEUE :]
     return Roadmap(
         buffer[: 3 * MOST_PLACES].reshape((MOST_PLACES, 3)),
         buffer[3 * MOST_PLACES : 4 * MOST_PLACES],
         buffer[4 * MOST_PLACES : 5 * MOST_PLACES].view(np.int64),
         buffer[5 * MOST_PLACES : 6 * MOST_PLACES].view(np.int64),
         work[:RECENT].view(np.int64),
-        work[RECENT:][:MOST_LINES],
-        work[RECENT + MOST_LINES :][:MOST_LINES].view(np.int64),
+        work[RECENT : RECENT + QUEUE].view(np.int64),
         spare[: 6 * points].reshape((2 * points, 3)),
         spare[6 * points :][:CLOCK_SIZE].view(np.int64),
     )
 
 
+def _queue(roadmap: Roadmap, grid: SearchGrid) -> Buckets:
+    """An empty queue of lines, for all lengths of routes that are not too long."""
+    straight = norm(sub(grid.goal, grid.start))
+    return buckets.carve(roadmap.lines, BUCKETS, straight, (1.0 / SHORTENED + ROADMAP_INFLATION - 1.0) * grid.longest)
+
+
 def _put_lines(
-    roadmap: Roadmap, size: int, grid: SearchGrid, scene: Scene, triangles: Array, count: int, place: int
-) -> int:
-    """Put lines from a place to all others into the heap, as far as there is room; returns how many are in it.
+    roadmap: Roadmap, queue: Buckets, grid: SearchGrid, scene: Scene, triangles: Array, count: int, place: int
+) -> None:
+    """Put lines from a place to all others into the queue, as far as there is room.
 
     A wall that cut the last line to a place hides it from most others: what it cuts here need not wait.
     """
@@ -90,11 +102,8 @@ def _put_lines(
         gone, rest = roadmap.cost[place] + norm(sub(q, p)), norm(sub(goal, q))
         if SHORTENED * (gone + rest) > grid.longest or cuts(scene, triangles, roadmap.cut[other], p, q):
             continue
-        if size == MOST_LINES:
-            break
-        line = place * MOST_PLACES + other
-        size = heap.push(roadmap.priority, roadmap.lines, size, gone + ROADMAP_INFLATION * rest, line)
-    return size
+        if not buckets.push(queue, gone + ROADMAP_INFLATION * rest, place * MOST_PLACES + other):
+            return
 
 
 def _straight(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array) -> bool:
@@ -121,10 +130,13 @@ def _search(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array, 
     for i in range(count):
         roadmap.cost[i], roadmap.cut[i] = math.inf, -1
     roadmap.cost[START_PLACE], roadmap.before[START_PLACE] = 0.0, -1
-    size = _put_lines(roadmap, 0, grid, scene, triangles, count, START_PLACE)
+    queue = _queue(roadmap, grid)
+    _put_lines(roadmap, queue, grid, scene, triangles, count, START_PLACE)
     tried = spent = 0
-    while size > 0 and tried < MOST_CUTS and spent < MOST_WORK:
-        line, size = heap.pop(roadmap.priority, roadmap.lines, size)
+    while tried < MOST_CUTS and spent < MOST_WORK:
+        line = buckets.pop(queue)
+        if line < 0:
+            return False
         place, other = line // MOST_PLACES, line % MOST_PLACES
         if roadmap.cost[other] < math.inf:
             continue
@@ -146,7 +158,7 @@ def _search(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array, 
         roadmap.before[other] = place
         if other == GOAL_PLACE:
             return True
-        size = _put_lines(roadmap, size, grid, scene, triangles, count, other)
+        _put_lines(roadmap, queue, grid, scene, triangles, count, other)
     return False
 
 

@@ -38,10 +38,9 @@ from benchmarks.judges.motions import wrong_in
 from benchmarks.motion import known, moving, p5
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
-from benchmarks.problems import full_poses, paper_poses
+from benchmarks.problems import clutter, full_poses, paper_poses
 from benchmarks.real import captured_robot, rows_of
 from benchmarks.wild import calls, trials, worlds
-from benchmarks.wild.worlds import clutter
 from sinuous.cli.app import main as sinuous
 
 SLOW = 3.0

@@ -12,8 +12,7 @@ import sinuous as sn
 from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.places import Place, make
-from benchmarks.problems import among_spheres, arm, reachable, relative_tolerance
-from benchmarks.wild.worlds import clutter
+from benchmarks.problems import among_spheres, arm, clutter, reachable, relative_tolerance
 from sinuous.base.checks import Floats
 from sinuous.methods.method import METHODS, capabilities
 

@@ -16,8 +16,7 @@ from benchmarks.harness.experiment import Plan
 from benchmarks.harness.lines import Goal, Line, Times
 from benchmarks.harness.parallel import in_processes
 from benchmarks.judges.judge import Flags, within_limits
-from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable, relative_tolerance
-from benchmarks.wild.worlds import clutter
+from benchmarks.problems import ProblemSet, among_spheres, arm, clutter, full_poses, reachable, relative_tolerance
 from sinuous.base.checks import Floats
 from sinuous.kernels.compile import entry
 from sinuous.kernels.solve.search import search
@@ -179,7 +178,7 @@ def poses(plan: Plan) -> Iterator[Line]:
     yield Line(POSES, "p99", times.p99, "us", Goal(300e-6))
 
 
-CLAIMS = 'no false "solved": random robots (1 to 40 segments) among all kinds of obstacles, default tolerance'
+CLAIMS = 'no false "solved": random robots (3 to 6 segments) among all kinds of obstacles, default tolerance'
 TARGETS = 100
 """Targets in one scene."""
 

@@ -17,12 +17,11 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.kinematics import body_points, segment_ends, tip_poses
+from benchmarks.judges.kinematics import body_points, segment_ends
 from benchmarks.judges.self_collision import Flags, look, surely_clear
 from benchmarks.places.parts.surfaces import Surface, joined
-from benchmarks.problems import ProblemSet
 from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
-from benchmarks.wild.robots import TIGHTEST, draw_shapes, jointed_robot, jointed_shapes, robot_with_shapes, shapes_of
+from benchmarks.wild.robots import TIGHTEST, jointed_robot, jointed_shapes, robot_with_shapes, shapes_of
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 from sinuous.statics.rest import bodies_at
@@ -42,14 +41,9 @@ TOLERANCES = (-8.0, -2.0)
 KINDS = {"position": 0.2, "direction": 0.3, "rotation": 0.4, "direction alone": 0.05, "rotation alone": 0.05}
 """What is asked of the tip, and how often."""
 
-PLACED = ("position", "direction", "rotation")
-"""Those of them that ask for a place."""
-
 INTERMEDIATE = 0.15
 """Share of worlds that ask for the place of another segment's end as well."""
 
-CLUTTERED = (-1.3, -0.5)
-"""Powers of ten between which a segment is long where nothing strains units."""
 
 UNITS = (-9.0, 9.0)
 """Powers of ten between which a segment is long."""
@@ -114,22 +108,6 @@ def make(seed: int, number: int) -> World:
     """Make world `number` of a seed."""
     rng = np.random.default_rng([seed, 9, number])
     return _about(lambda: robot_with_shapes(SHAPES, rng), rng)
-
-
-def clutter(seed: int, count: int) -> ProblemSet:
-    """Return wild problems with obstacles, possible ones and others, at the default tolerance.
-
-    Half of the targets, or fewer, are those of hidden shapes; the others come from shapes that may overlap anything.
-    """
-    rng = np.random.default_rng([seed, 32])
-    while True:
-        world = _about(lambda: robot_with_shapes(max(1, count // 2), rng, CLUTTERED), rng)
-        if len(world.scene):
-            break
-    robot = world.robot
-    q = np.concatenate([world.hidden, draw_shapes(robot, count - len(world.hidden), 1.0, rng)])
-    targets = [target_at(tip, str(rng.choice(PLACED))) for tip in tip_poses(robot, q)]
-    return ProblemSet(robot, targets, world.scene, sn.Tolerance().for_robot(robot))
 
 
 def asked(robot: sn.Robot, q: Floats, rng: Generator, kind: str | None = None) -> list[list[sn.Target]]:
@@ -288,7 +266,7 @@ def loaded(seed: int, number: int) -> World:
         if len(scene):
             clear &= Clearances(needed_body(body), scene).least(arcs, 0.0) > CLEAR * robot.mean_length
         if clear.any():
-            q, kind = q[clear], str(rng.choice(PLACED))
+            q, kind = q[clear], str(rng.choice(["position", "direction", "rotation"]))
             targets = [[target_at(robot.shape(each).tip, kind)] for each in q]
             tolerance = sn.Tolerance().for_robot(robot)
             return World(robot, scene, tolerance, targets, q, time=LOADED_BUDGET, loaded=True)

@@ -137,6 +137,7 @@ def conduct(experiment: Experiment, folder: Path | None = None, record: Path | N
         text = report(experiment, facts, journal, lines, interrupted)
         (folder / f"{experiment.name}.md").write_text(text, encoding="utf-8")
         if record is not None:
+            record.mkdir(parents=True, exist_ok=True)
             (record / f"{experiment.name}.txt").write_text(f"# {experiment.name}\n\n{text}", encoding="utf-8")
         sys.stdout.write(text)
         sys.stdout.flush()

@@ -212,7 +212,7 @@ def _seen(
     robot: Robot, ends: Floats, body: Robot, q: Floats, owners: Sequence[Any], scene: Snapshot, when: Floats
 ) -> Verification:
     """Judge shapes `q` (T, N, 3) of a body, whose segments belong to these `owners` of the robot, at times (T,)."""
-    clearances, spares, segments, obstacles = _clearances(body, scene, q, when)
+    clearances, spares, segments, obstacles = least_clearances(body, scene, q, when)
     at = int(clearances.argmin())
     itself = least_meeting(body, q)
     gap, slack = itself.gap + robot._least_clearances[1], ROUNDING * robot.mean_length
@@ -227,22 +227,6 @@ def _seen(
     )
     places = (None if own is None else own.on_robot(owners, q[at][:, 2]) for own in (there, itself.place))
     return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), least, segment, obstacle, gap, both, *places)
-
-
-def _clearances(body: Robot, scene: Snapshot, q: Floats, when: Floats) -> tuple[Any, ...]:
-    """See `least_clearances`: of what stands still at all times together, of what moves at each by itself."""
-    courses = scene.courses
-    if not courses:
-        return least_clearances(body, scene, q)
-    numbers = sorted(range(len(scene)), key=lambda i: i in courses)
-    own, still = [scene.obstacles[i] for i in numbers], len(scene) - len(courses)
-    moving = Snapshot(tuple(own[still:]))
-    seen = [least_clearances(body, moving.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
-    least, spare, segment, which = (np.concatenate(each) for each in zip(*seen, strict=True))
-    fixed = least_clearances(body, Snapshot(tuple(own[:still])), q)
-    nearer, named = least < fixed[0], np.array([*numbers, -1])
-    which = named[np.where(nearer, which + np.where(which < 0, 0, still), fixed[3])]
-    return np.minimum(least, fixed[0]), np.minimum(spare, fixed[1]), np.where(nearer, segment, fixed[2]), which
 
 
 def _within_limits(robot: Robot, q: Floats) -> bool:

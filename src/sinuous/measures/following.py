@@ -15,7 +15,7 @@ from sinuous.base.arguments import Rows
 from sinuous.base.checks import Floats
 from sinuous.base.frozen import call
 from sinuous.measures.body import Meeting, free_shares, nearest_pair, places_of
-from sinuous.measures.obstacles import measure, that_matter
+from sinuous.measures.obstacles import measure, seen_from, that_matter
 from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
 from sinuous.problem.path import Curve
@@ -162,22 +162,24 @@ def shares_between(robot: Robot, one: Floats, other: Floats) -> Floats:
 
 
 def least_clearances(
-    robot: Robot, scene: Snapshot, q: Floats
+    robot: Robot, scene: Snapshot, q: Floats, when: Floats | None = None
 ) -> tuple[Floats, Floats, NDArray[np.intp], NDArray[np.intp]]:
     """Least clearance (T,) over sampled places of the body beyond the mount, in configurations (T, n, 3).
 
     And the least beyond what is demanded (T,), and the segment and the obstacle (T,) where the first is, 0 = first; -1
-    where there is nothing to be clear of.
+    where there is nothing to be clear of. Times (T,), 0 by default, say where obstacles are that move.
     """
+    when = np.zeros(len(q)) if when is None else when
     least, spare = np.full((2, len(q)), math.inf)
     segments, obstacles = np.full((2, len(q)), -1, np.intp)
     for part in together(len(q), q.shape[1]) if len(scene) else ():
         begin, beyond = free_shares(robot, q[part, :, 2])
         places, _ = backbones(robot, q[part], begin)
         sizes = np.where(beyond, np.stack([robot.radii, np.add(robot.radii, robot.clearance)])[:, None], -math.inf)
-        for i, near in that_matter(scene.obstacles, places, sizes):
+        for i, near in that_matter(scene.obstacles, places, sizes, when[part]):
             gaps = np.full(near.shape, math.inf)
-            found = measure(scene.obstacles[i], places[near].reshape(-1, 3)).reshape(-1, places.shape[2])
+            obstacle, seen = seen_from(scene.obstacles[i], places[near], when[part][np.nonzero(near)[0]])
+            found = measure(obstacle, seen.reshape(-1, 3)).reshape(-1, places.shape[2])
             gaps[near] = found.min(axis=1)
             gaps -= robot.radii
             gaps[~beyond] = math.inf

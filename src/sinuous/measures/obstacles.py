@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.scene.grids import Field, Grid, evaluate
 from sinuous.scene.mesh import Mesh
+from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.triangles import winding_numbers
@@ -43,7 +44,17 @@ UNSURE = 1e-9
 """What arithmetic may make of a bound, as a share of it and of what it is about."""
 
 
-def that_matter(obstacles: Sequence[Obstacle], runs: Floats, sizes: Floats) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+def seen_from(obstacle: Obstacle, places: Floats, when: Floats | None) -> tuple[Obstacle, Floats]:
+    """Return an obstacle as it is described, and places (T, r, 3) at times (T,), if it moves, in that frame."""
+    if when is None or not isinstance(obstacle, Moving):
+        return obstacle, places
+    positions, rotations = obstacle.course.poses(when)
+    return obstacle.obstacle, (places - positions[:, None]) @ rotations
+
+
+def that_matter(
+    obstacles: Sequence[Obstacle], runs: Floats, sizes: Floats, when: Floats | None = None
+) -> Iterator[tuple[int, NDArray[np.bool_]]]:
     """Yield each obstacle that may be the nearest to a body, by its number, and the runs (T, r) to which it may be.
 
     Distances of points differ by no more than the points are apart: so one place of each run says how near the others
@@ -56,12 +67,15 @@ def that_matter(obstacles: Sequence[Obstacle], runs: Floats, sizes: Floats) -> I
         Places in a row, of T bodies.
     sizes : ndarray (k, T, r)
         What is taken off distances, in one or several ways.
+    when : ndarray (T,), optional
+        Times of the bodies, where obstacles may move.
     """
     middles = runs[:, :, runs.shape[2] // 2]
     reach = np.linalg.norm(runs - middles[:, :, None], axis=-1).max(axis=2)
     most, least = np.full(sizes.shape[:2], np.inf), list[Floats | None]()
-    for obstacle in obstacles:
-        away = measure(obstacle, middles.reshape(-1, 3)).reshape(middles.shape[:2])
+    for each in obstacles:
+        obstacle, seen = seen_from(each, middles, when)
+        away = measure(obstacle, seen.reshape(-1, 3)).reshape(middles.shape[:2])
         most = np.minimum(most, (away - sizes).min(axis=2, initial=np.inf))
         known = not isinstance(obstacle, Field) and not (isinstance(obstacle, Grid) and not obstacle.occupancy)
         least.append(away - reach if known else None)

@@ -24,6 +24,7 @@ target = sn.Target((-10, 40, -260), direction=(0, 0.2169, -0.9762))
 solution = sn.solve(robot, target, [sn.Sphere((0, 80, -120), 25)])
 assert solution.solved, solution
 """
+FREE = SOLVE.replace("[sn.Sphere((0, 80, -120), 25)]", "None")
 ROOT = Path(__file__).parents[2]
 README = (
     "import sys; sys.argv = ['sinuous', 'solve', 'examples/insertion_room.yaml']; "
@@ -43,6 +44,8 @@ def measure(plan: Plan) -> Iterator[Line]:
     yield _line("sinuous --help", HELP, repeats, Goal(0.3))
     yield _line("first solve, compiled before", SOLVE, repeats, Goal(1.2))
     if not plan.quick:
+        yield _first("first solve ever, nothing compiled, and said so", FREE)
+        yield _first("the same among obstacles", SOLVE)
         yield _later("on all cores", README, repeats)
         yield _later("on one core", ONE_CORE + README, repeats)
         with _busy(LOAD):
@@ -70,6 +73,12 @@ def _run(code: str, environment: dict[str, str]) -> _Run:
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, cwd=ROOT)
     seconds = perf_counter() - began
     return _Run(seconds, run.stderr, "" if run.returncode == 0 else (run.stderr.split("\n")[-2:-1] or ["failed"])[0])
+
+
+def _first(what: str, code: str) -> Line:
+    run = _run_from_nothing(code, "auto")
+    note = run.complaint or "nothing was said of compiling" * ("compiled" not in run.said)
+    return Line(SECTION, what, float("inf") if note else run.seconds, "s", Goal(10.0), note=note)
 
 
 def _run_from_nothing(code: str, mode: str) -> _Run:

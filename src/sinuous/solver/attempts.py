@@ -18,7 +18,23 @@ from sinuous.problem.problem import Problem
 from sinuous.solver.options import SCATTERED, UNBOUNDED
 
 Deadline = Callable[[], float]
-"""When a solve has to end: says how many seconds are left until then."""
+"""When a solve has to end: says how many seconds are left until then. What makes starts is ended by it: see `TimeUp`."""
+
+
+class TimeUp(Exception):  # noqa: N818 - no error
+    """Nothing that is made from here on would be followed: no time is left."""
+
+
+def ending(deadline: Deadline) -> Deadline:
+    """Return the same deadline, which raises `TimeUp` for who asks it when no time is left."""
+
+    def left() -> float:
+        seconds = deadline()
+        if seconds <= 0.0:
+            raise TimeUp
+        return seconds
+
+    return left
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ for most.
 """
 
 from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from functools import cached_property, partial
 
 import numpy as np
@@ -31,7 +32,7 @@ from sinuous.methods.method import capabilities
 from sinuous.model.robot import Robot
 from sinuous.problem.target import Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solver.attempts import AttemptQueue, AttemptsBeyond, IKQuery, RandomRestarts, StartBatch
+from sinuous.solver.attempts import AttemptQueue, AttemptsBeyond, IKQuery, RandomRestarts, StartBatch, TimeUp, ending
 from sinuous.solver.options import EDGES, REMEMBERED, ROOTS, SCATTERED, SIDE_TUBES, SolveOptions
 from sinuous.solver.polylines import respaced
 from sinuous.solver.route_classes.curves import RouteCurves
@@ -234,10 +235,12 @@ class Strategy:
             What knows other passages: where several solutions are wanted, routes through these come before all others.
         """
         left = self.random_restarts(question) if scattered is None else scattered
-        attempts = attempts_of(question, left, self.searches, without=self._options.without, passages=passages)
-        if len(question.initial) or question.several:  # else they were tried in the first call
-            attempts.add(REMEMBERED, PRIORITY_REMEMBERED, partial(self._remembered_batch, question), effort=0)
-        return attempts.batches()
+        own = question._replace(deadline=ending(question.deadline))
+        with suppress(TimeUp):
+            attempts = attempts_of(own, left, self.searches, without=self._options.without, passages=passages)
+            if len(question.initial) or question.several:  # else they were tried in the first call
+                attempts.add(REMEMBERED, PRIORITY_REMEMBERED, partial(self._remembered_batch, question), effort=0)
+            yield from attempts.batches()
 
     @property
     def remembers(self) -> bool:

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.clock import allow, begin, spend
+from sinuous.kernels.clock import SEGMENT_WORK, allow, begin, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
@@ -104,7 +104,7 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     """Put the arcs that continue the `count` chains of `k` segments into the heap, by the scores that they promise.
 
     Obstacles are left out, and the new end is taken to see what the old one did, or what is half a segment beyond it.
-    Returns how many there are.
+    Returns how many there are: none where the time is over.
     """
     level, size = beam.levels[k], 0
     low, high = _lengths(problem, k, leg.last)
@@ -113,7 +113,8 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
         need = needed(leg.guide, start[1], _tangent(start), seen) - leg.around
         fraction = min(1.0, max(0.0, (need - low) / (high - low))) if high > low else 0.0
         ahead = max(seen, ahead_of(leg.guide, start, seen, 1.5, problem.limits[k, MAX_LENGTH]))
-        spend(beam.clock, ARCS)
+        if spend(beam.clock, SEGMENT_WORK * ARCS):
+            return 0
         for number in range(count_of(problem, k)):
             q = tried(problem, leg.guide, start, (k, number), seen, fraction)
             score = level[i, COST] + _score(problem, leg, k, end_of(start, q), ahead)
@@ -125,8 +126,9 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
 def _draw(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     """Do the same with arcs drawn at random, as many in all for few chains as for many; chance puts them in order."""
     level, each, size = beam.levels[k], beam.arcs.shape[0] // count, 0
-    spend(beam.clock, each * count)
     for item in range(each * count):
+        if spend(beam.clock, SEGMENT_WORK):
+            return 0
         i = item // each
         scattered(problem.limits[k : k + 1], item, beam.levels.shape[1] + k, math.inf, beam.arcs[item : item + 1])
         end = end_of(frame(level, i), get_vec(beam.arcs, item, 0))
@@ -190,6 +192,8 @@ def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, open_from: fl
     n = problem.limits.shape[0]
     radius = max(thickness(problem, max(0, k - 1)), thickness(problem, min(k, n - 1)))
     for i in range(count):
+        if spend(beam.clock, work_of_all(problem.scene)):
+            return False
         d, _ = closest(problem.scene, frame(level, i)[1], open_from * radius, INTERPOLATED)
         level[i, END_DISTANCE] = d / radius
         found = found or level[i, END_DISTANCE] >= open_from

@@ -134,15 +134,14 @@ class RouteCandidates:
 
     def route_around_edges(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) around edges; `None` where none is found."""
-        off = EDGES in self._without or self._deadline() <= 0.0
-        return None if off else self.searches.by_edges(self._problem, query, self._deadline())
+        return None if EDGES in self._without else self.searches.by_edges(self._problem, query, self._deadline())
 
     def route_through_side_tubes(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) through tubes that open beside edges; `None` where none is found.
 
         Where the base lies in a closed tube, that one leads on.
         """
-        off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
+        off = SIDE_TUBES in self._without or self.enclosed
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
     def search_cells(self, plan: SearchPlan) -> FoundRoutes:
@@ -154,7 +153,7 @@ class RouteCandidates:
         for size in CELLS[CELLS.index(plan.cells) :][:TABLES]:
             if size <= self._too_small.get(plan.cell, 0):
                 continue
-            seconds = max(0.0, self._deadline())
+            seconds = self._deadline()
             found = self.searches.find(self._problem, self.query, plan._replace(cells=size), seconds)
             cells += found.cells
             if found.ended != FULL or found.routes:
@@ -219,7 +218,7 @@ class RouteCandidates:
     def grown_chains(self, candidate: RouteCandidate, width: int) -> Iterator[StartBatch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
         legs = self.legs_of(candidate)
-        if legs is None or self._deadline() <= 0.0:
+        if legs is None:
             return
         yield self._nothing()
         if candidate.rank not in self._chains:
@@ -244,7 +243,7 @@ class RouteCandidates:
         """Yield chains along a route that is led aside until it is as long as the robot, by the least beams."""
         legs = self.legs_of(candidate)
         longer = None if legs is None else lengthen_route(self._groups, legs, number, self._deadline)
-        if longer is None or self._deadline() <= 0.0:
+        if longer is None:
             return
         route = np.concatenate([longer[0], *longer[1:, 1:]])
         if self._problem.scene.has_hierarchy and not self._clear(route, self.query):
@@ -257,7 +256,7 @@ class RouteCandidates:
     def bottleneck_chains(self, candidate: RouteCandidate, starts: int) -> Iterator[StartBatch]:
         """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
         legs = self.legs_of(candidate)
-        if legs is None or self._deadline() <= 0.0 or not candidate.clear:
+        if legs is None or not candidate.clear:
             return
         if candidate.rank not in self._bottlenecks:
             widths = np.stack([self.searches.widths_across(self._problem, leg) for leg in legs])
@@ -332,7 +331,7 @@ class RouteCandidates:
         leg = self.route_around_edges(query)
         leg = self.route_through_side_tubes(query) if leg is None else leg
         for plan in self.searches.leg_plans if leg is None else ():
-            found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
+            found = self.searches.find(self._problem, query, plan, self._deadline())
             leg = found.routes[0] if found.routes else leg
             if leg is not None and self._clear(leg, query):
                 break

@@ -156,7 +156,7 @@ class BottleneckDecomposition:
     def chains(self, starts: int, deadline: Deadline) -> Iterator[Floats]:
         """Yield chains (n, 3) through the narrow place, each part of at most so many scattered starts."""
         low, high, i = 0, len(self._counts) - 1, self._even
-        while low <= high and deadline() > 0.0:
+        while low <= high:
             chain, through = self._solved(self._counts[i], starts, deadline)
             if chain is not None:
                 yield chain
@@ -204,7 +204,7 @@ class BottleneckDecomposition:
         low, high = (segments_in(rest[0])[:-1, which] for which in (t.MIN_LENGTH, t.MAX_LENGTH))
         ends = np.cumsum(0.5 * (low + high))
         count = int(np.searchsorted(ends, lengths_along(line)[-1] + BARELY * high.mean()))
-        return fit_first_segments(rest, count, line, max(0.0, deadline()))
+        return fit_first_segments(rest, count, line, deadline())
 
     def _row(self, count: int) -> Floats:
         """The place and the tangent of the route there, as a target (15,) of the end of the first segments."""
@@ -367,8 +367,6 @@ def bridge_chains(
     ]
     pairs.sort(key=lambda pair: n - pair[0][0] - pair[1][0])
     for one, two in pairs[: 2 * width]:
-        if deadline() <= 0.0:
-            return
         (head, _), (tail, terminal_pose) = ahead.chain(*one), behind.chain(*two)
         rest = problem_beyond(groups, head)
         if len(tail) > 0:
@@ -511,8 +509,6 @@ class JoinedChains:
         assert self._other is not None
         each = MEETINGS_OF_A_LENGTH if loose else MOST_JUNCTIONS
         for _, k, i, j in self._joints(ahead, behind, each)[:most]:
-            if self._deadline() <= 0.0:
-                return
             (head, _), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)
             begun = problem_from_pose(self._other, terminal_pose)
             closed = None if loose else self._closed(self._groups, head, behind.frames[self._n - k, j])
@@ -529,6 +525,7 @@ class JoinedChains:
         """Pairs of parts that nearly meet, the best first: up to `each` of every number of segments."""
         joints = []
         for k in range(max(1, self._n + 1 - len(behind.counts)), min(self._n, len(ahead.counts))):
+            self._deadline()
             some, others = int(ahead.counts[k]), int(behind.counts[self._n - k])
             if some == 0 or others == 0:
                 continue

@@ -222,7 +222,7 @@ def search_part(groups: Groups, chains: Floats, own: tuple[int, int], deadline: 
     """Follow chains (g, n, 3), then own starts, from the first up to, without it, the last: see `search`."""
     (n, actuators), obstacles, targets = (int(x) for x in groups[0][:2]), int(groups[1][0]), len(groups[3])
     best, workspace = np.empty((n, 3)), np.empty(workspace_size(n, actuators, obstacles, targets))
-    return Outcome(best, *search(*groups, chains, (*own, SEED, max(0.0, deadline())), workspace, best))
+    return Outcome(best, *search(*groups, chains, (*own, SEED, deadline()), workspace, best))
 
 
 def solve_part(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
@@ -499,15 +499,12 @@ class GrownChains:
 
 
 def settle_chains(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:
-    """Yield every chain (n, 3), drawn to the targets in short steps, while there is time."""
+    """Yield every chain (n, 3), drawn to the targets in short steps."""
     robot, scene, _, targets = groups
     workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))
     for chain in chains:
-        seconds = deadline()
-        if seconds <= 0.0:
-            return
         q = chain.copy()
-        settle_chain(*groups, seconds, workspace, q)
+        settle_chain(*groups, deadline(), workspace, q)
         yield q
 
 
@@ -543,7 +540,7 @@ def lengthen_route(groups: Groups, legs: Floats, number: int, deadline: Deadline
         wanted = least + ((1 + number) * GOLDEN % 1.0) * (most - least)
         if length < LONG_ENOUGH * wanted:
             points, numbers = respaced(leg, POINTS), rng.random((MOST_DETOURS, NUMBERS))
-            left = max(0.0, deadline())
+            left = deadline()
             if (
                 add_detours(groups[1], wanted, ball_radius(segments), numbers, left, workspace, points)
                 > length / LONG_ENOUGH

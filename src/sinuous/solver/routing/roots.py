@@ -167,8 +167,6 @@ class Roots:
                 mouths += [mouth for mouth in found if not any(mouth.is_like(other) for other in mouths)]
                 facing += [0] * (len(mouths) - len(facing))
                 scattered += [self._scattered(mouth) for mouth in mouths[len(scattered) :]]
-            if self._deadline() <= 0.0:
-                return
             which = number // 2 % len(mouths)
             if number % 2:
                 chain = next(scattered[which], None)
@@ -200,7 +198,7 @@ class Roots:
         """Return the mouth of the tube that the target lies in, where its end is reached with this tangent (3,)."""
         behind = query.copy()
         set_route_start(behind, query[t.QUERY_GOAL : t.QUERY_GOAL + 3].copy(), -into)
-        tube = find_tube_around(self._groups[1], behind, max(0.0, self._deadline()))
+        tube = find_tube_around(self._groups[1], behind, self._deadline())
         if tube is None or not tube.open:
             return None
         line = tube.axis[::-1].copy()
@@ -285,8 +283,7 @@ class Roots:
         costs[best] += UNSEEN * (free < self._searches.radius)
         own: list[Floats] = []
         for i in np.argsort(costs, kind="stable").tolist():
-            if self._deadline() <= 0.0:
-                return
+            self._deadline()
             if apart > 0.0:
                 if all(np.linalg.norm(places[i] - other) > apart * self._longest for other in own):
                     own.append(places[i])
@@ -362,8 +359,6 @@ class Roots:
             return None
         query[t.QUERY_LONGEST] *= FARTHER
         for plan in searches.single_plans:
-            if self._deadline() <= 0.0:
-                return None
             found = searches.find(self._problem, query, plan, self._deadline())
             if found.routes:
                 return found.routes[0]

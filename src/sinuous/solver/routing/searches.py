@@ -312,30 +312,27 @@ class Searches:
     def by_tubes(self, problem: Problem, query: Floats, deadline: Deadline) -> Floats | None:
         """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
         group, edges = problem.scene._kernel_group, rims_of(problem.scene)
-        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, deadline()))
+        axes = tubes_beside(group, edges, query[QUERY_RADIUS], deadline())
         if not axes:
             return None
 
         def leg(asked: Floats) -> Floats | None:
-            return self.by_edges(problem, asked, max(0.0, deadline()))
+            return self.by_edges(problem, asked, deadline())
 
         def last(asked: Floats) -> Floats | None:
             route = leg(asked)
             if route is None:
-                found = self.find(problem, asked, self.fine, max(0.0, deadline()))
+                found = self.find(problem, asked, self.fine, deadline())
                 route = found.routes[0] if found.routes else None
             return route
 
         return route_through(axes, query, leg, last, POINTS)
 
     def fit(self, problem: Problem, routes: Sequence[Floats], deadline: Deadline) -> Floats:
-        """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
+        """Return configurations (m, n, 3) along routes (K, 3)."""
         groups, fits = self.groups(problem), list[Floats]()
         for route in routes:
-            left = deadline()
-            if left <= 0.0:
-                break
-            fits.append(fit_chain(groups, route, left))
+            fits.append(fit_chain(groups, route, deadline()))
         return np.array(fits).reshape(-1, int(groups[0][0]), 3)
 
     def load(self, *, anew: bool = False) -> None:

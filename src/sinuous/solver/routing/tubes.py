@@ -207,12 +207,9 @@ def chains_in_tube(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[t
     length = lengths_along(tube.axis)[-1] - BARELY * segments[-1, t.MAX_LENGTH]
     inside = 1 + int(np.searchsorted(ends, length))
     for count in (inside, inside - 1) if inside <= n else ():
-        if 0 < count < n and deadline() > 0.0:
+        if 0 < count < n:
             line = lengthen_axis(tube.axis, ends[count - 1])
-            yield (
-                fit_chain((first_segments(robot, count), scene, settings, targets[:0]), line, max(0.0, deadline())),
-                line,
-            )
+            yield fit_chain((first_segments(robot, count), scene, settings, targets[:0]), line, deadline()), line
 
 
 def _joined(groups: Groups, head: Floats, line: Floats, deadline: Deadline) -> tuple[Floats, Floats]:

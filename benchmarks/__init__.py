@@ -8,5 +8,5 @@ up; each imports from those before it only:
 - `problems`: random problems from seeds, and those of the literature
 - `places`: intricate places with a hidden shape
 - `speed`, `clutter`, `wild`, `motion`, `methods`, `many`, ...: the experiments, each named in `__main__.KNOWN`
-- `ways`, `gallery`, `corpus`, `rooms`, `trace`: commands of their own
+- `ways`, `corpus`, `rooms`, `trace`: commands of their own
 """

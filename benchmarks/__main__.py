@@ -66,7 +66,7 @@ TOOLS = {
     "corpus": ("corpus", "some thousand problems with their answers, to hold a change of the code to the last bit"),
     "ways": ("ways", "places solved in several ways: with a memory, explored, attempts switched off"),
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),
-    "places": ("gallery", "one place again, or a picture of one of each kind"),
+    "places": ("clutter", "one place again, and a picture of it"),
 }
 """Commands of their own: module, whose function `run` or whose `app` is the command, and what each does."""
 

@@ -1,4 +1,4 @@
-"""`clutter`: intricate places, each known to be possible; `worlds`: very many small ones.
+"""`clutter`: intricate places, each known to be possible; `worlds`: very many small ones; `places`: one place again.
 
 Every place was made around a hidden shape that reaches its target, so neither "impossible" nor silence is excused.
 """
@@ -6,15 +6,20 @@ Every place was made around a hidden shape that reaches its target, so neither "
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
+from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+import typer
+
+import sinuous as sn
 from benchmarks.harness.experiment import Divided, Experiment, Plan
 from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.parallel import in_processes
+from benchmarks.harness.parallel import ignore_suspicions, in_processes
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right as judged_right
+from sinuous.base import checks
 from sinuous.solver.options import read_without
 from sinuous.solver.solver import Solver
 
@@ -164,3 +169,22 @@ def _listed(what: str, trials: list[Trial]) -> list[str]:
     """Seeds and statuses, to begin a search with; nothing when there are none."""
     listed = ", ".join(f"{trial.seed} ({trial.status})" for trial in trials[:SHOWN])
     return [f"{what}: seeds {listed}{' ...' * (len(trials) > SHOWN)}"] if trials else []
+
+
+def run(
+    family: Annotated[str, typer.Argument(metavar="FAMILY", help="Like 'pipe 1.3'.")],
+    number: Annotated[int, typer.Argument(metavar="NUMBER", help="The seed that a run says.")] = 0,
+    picture: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw it: place.png.")] = None,
+) -> None:
+    """Solve one place again and judge it; the exit code is 1 when it is not solved."""
+    checks.choice("FAMILY", family, tuple(FAMILIES))
+    checks.integer("NUMBER", number, 0, 2**31 - 1)
+    ignore_suspicions()
+    ours = examine(family, number)
+    verdict = "right" if ours.right else "WRONG" if ours.false else "not right"
+    won = f" by {ours.start}" * ours.solved
+    typer.echo(f"{family}, {number}: {ours.status}{won} in {1e3 * ours.seconds:.3g} ms; the judge finds it {verdict}")
+    if picture is not None:
+        place = make(family, number)
+        sn.plot(sn.solve(place.robot, place.targets, place.scene, tolerance=place.tolerance), path=picture)
+    raise typer.Exit(0 if ours.solved else 1)

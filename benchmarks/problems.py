@@ -169,16 +169,21 @@ def path_through(segments: int, spheres: int, rng: Generator, points: int = WAYP
     return ProblemSet(robot, targets, sn.Scene(found), sn.Tolerance().for_robot(robot))
 
 
+def published_configurations(robot: sn.Robot, count: int, rng: Generator) -> Floats:
+    """Draw configurations (count, n, 3) as published codes do: bends pi U(0, 1), plane angles 2 pi U(0, 1)."""
+    bends, angles = math.pi * rng.random((count, len(robot))), 2.0 * math.pi * rng.random((count, len(robot)))
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    lengths = low + (high - low) * rng.random((count, len(robot)))
+    return np.stack([bends * np.cos(angles), bends * np.sin(angles), lengths], axis=-1)
+
+
 def full_poses(seed: int, count: int) -> ProblemSet:
-    """Full poses of three inextensible segments of length 1 (P2): bends pi U(0, 1), plane angles 2 pi U(0, 1).
+    """Full poses of three inextensible segments of length 1 (P2).
 
     Position and angle are each to be met to 0.7e-6, so that the norm of the error in se(3) is below 1e-6.
     """
-    rng = np.random.default_rng(seed)
-    bends = math.pi * rng.random((count, 3))
-    angles = 2.0 * math.pi * rng.random((count, 3))
-    q = np.stack([bends * np.cos(angles), bends * np.sin(angles), np.ones((count, 3))], axis=-1)
     robot = sn.Robot.uniform(3, 1.0, math.pi)
+    q = published_configurations(robot, count, np.random.default_rng(seed))
     targets = [sn.Target(tip[:3, 3], rotation=tip[:3, :3]) for tip in tip_poses(robot, q)]
     return ProblemSet(robot, targets, sn.Scene(), sn.Tolerance(0.7e-6, 0.7e-6))
 

@@ -13,10 +13,11 @@ from PIL import Image
 import sinuous as sn
 from sinuous.view.display.bounds import best_view
 from sinuous.view.display.contents import gather
+from sinuous.view.display.results import caption_of
 from sinuous.view.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
 from sinuous.view.pictures.diagrams import finish_axes
-from sinuous.view.pictures.figures import new_figure
-from sinuous.view.pictures.plot import draw_still
+from sinuous.view.pictures.figures import axes_box, fill_room, new_figure
+from sinuous.view.pictures.plot import draw_contents, draw_still
 from sinuous.view.pictures.reports import write_picture
 
 ROOT = Path(__file__).parent.parent
@@ -241,6 +242,39 @@ def _proved_pieces(
     ]
 
 
+PLACES = {
+    **{"spheres 40": 6, "pipe 1.3": 1, "plates": 16, "drum": 1, "shelf": 1},
+    **{"duct": 1, "spheres 40 scan": 6, "pipe 1.6 scan": 7, "plates scan": 1},
+    **{"drum scan": 1, "shelf scan": 1, "duct scan": 1},
+}
+"""Families of intricate places, and the number of the place that stands for each."""
+
+
+def places() -> None:
+    """One place of each kind."""
+    sys.path.append(str(ROOT))
+    from benchmarks.places import make  # noqa: PLC0415
+
+    rows, panels = -(-len(PLACES) // 4), []
+    figure = new_figure(figsize=(16.8, 4.2 * rows), layout="constrained")
+    for i, (family, number) in enumerate(PLACES.items(), 1):
+        place = make(family, number)
+        solver = sn.Solver(place.robot, place.scene, tolerance=place.tolerance)
+        solver.solve(place.targets)  # what is loaded is not counted
+        contents = gather([solver.solve(place.targets)])
+        axes = figure.add_subplot(rows, 4, i, projection="3d", computed_zorder=False)
+        panels.append((axes, axes_box(contents)))
+        draw_contents(axes, contents, panels[-1][1], best_view(contents))
+        axes.set_axis_off()
+        axes.set_title(f"{family}\n{caption_of(contents.answers)}", fontsize=10)
+    figure.canvas.draw()  # puts the panels in their places
+    figure.set_layout_engine("none")
+    for axes, box in panels:
+        fill_room(axes, box)
+    figure.savefig(file := IMAGES / "places.png", dpi=80)
+    shrink(file)
+
+
 FIGURES: dict[str, Callable[[], None]] = {
     figure.__name__: figure
     for figure in (
@@ -258,6 +292,7 @@ FIGURES: dict[str, Callable[[], None]] = {
         convergence,
         arcs,
         proofs,
+        places,
     )
 }
 

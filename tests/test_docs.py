@@ -116,7 +116,7 @@ def test_pictures_are_made_by_one_command() -> None:
     """Those of experiments are made by these; every other one by `docs/figures.py`, and is shown somewhere."""
     source = (DOCS / "figures.py").read_text(encoding="utf-8")
     pages = "".join(page.read_text(encoding="utf-8") for page in [*PAGES, DOCS.parent / "README.md"])
-    experiments = ("methods_", "segments_", "table1_", "tracking_", "places")
+    experiments = ("methods_", "segments_", "table1_", "tracking_")
     for image in (DOCS / "images").iterdir():
         assert image.name in pages, image.name
         assert image.stat().st_size < 1_500_000

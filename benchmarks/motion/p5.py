@@ -24,6 +24,7 @@ from benchmarks.harness.parallel import in_processes
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.motions import wrong_in
+from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
@@ -158,7 +159,7 @@ def _states(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> tuple[Floats, F
     """Draw a start and a goal; none where the spheres leave too little room."""
     clearances, free = Clearances(robot, scene), np.empty((0, len(robot), 3))
     for _ in range(MOST_DRAWS // TOGETHER):
-        q = _shapes(len(robot), rng)
+        q = random_configurations(robot, TOGETHER, rng)
         q = q[clearances.least(q, 0.0) > 0.0]
         free = np.concatenate([free, q[self_collision.surely_clear(robot, q)]])
         tips = [robot.tip(one)[:3, 3] for one in free]
@@ -166,12 +167,6 @@ def _states(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> tuple[Floats, F
         if far:
             return free[0], free[far[0]]
     return None
-
-
-def _shapes(n: int, rng: Generator) -> Floats:
-    bends = np.pi * np.sqrt(rng.random((TOGETHER, n)))
-    angles = rng.uniform(0.0, 2.0 * np.pi, (TOGETHER, n))
-    return np.stack([bends * np.cos(angles), bends * np.sin(angles), np.ones((TOGETHER, n))], axis=-1)
 
 
 def examine(task: Task) -> Trial:

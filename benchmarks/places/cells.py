@@ -11,6 +11,7 @@ from benchmarks.places.around import largest_half
 from benchmarks.places.parts.shapes import curve_of, draw_shape
 from benchmarks.places.parts.surfaces import Surface, ring_loft, solid
 from benchmarks.places.place import Sketch, sketch_of
+from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 
@@ -422,7 +423,7 @@ LEEWAY = 1.15
 def small_world(seed: int, rng: Generator) -> Sketch | None:
     """Draw a robot and any shape of it, and put a door where the shape passes: in a wall, or in that of a cell."""
     robot = any_robot(rng)
-    q = any_shape(robot, rng)
+    q = random_configurations(robot, 1, rng)[0]
     line = line_of(robot, q)
     k = round(rng.uniform(0.15, 0.9) * (len(line.poses) - 1))
     kind, half = int(rng.integers(3)), draw_half(line.radius, rng)
@@ -452,13 +453,6 @@ def any_robot(rng: Generator) -> sn.Robot:
         segments.insert(0, sn.Segment((0.0, unit * rng.uniform(0.5, 2.0)), 0.0, radius=radius))
     mount = rng.choice([0.0, 0.0, MOUNT]) * unit * rng.random()
     return sn.Robot(segments, mount=mount, base=sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)))
-
-
-def any_shape(robot: sn.Robot, rng: Generator) -> Floats:
-    """Draw a configuration (n, 3) evenly within its limits."""
-    low, high, bends = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
-    turn, size = 2.0 * np.pi * rng.random(len(robot)), bends * np.sqrt(rng.random(len(robot)))
-    return np.stack([size * np.cos(turn), size * np.sin(turn), rng.uniform(low, high)], axis=-1)
 
 
 def _wall(frame: Floats, half: Floats, radius: float, rng: Generator) -> list[sn.Box]:

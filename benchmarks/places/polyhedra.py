@@ -5,13 +5,12 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places.place import Place
-from sinuous.base.checks import Floats
+from benchmarks.problems import published_configurations
 
 RADIUS = 0.01
 """Of the body; segments are 1 long, or 0.15 to 0.55."""
@@ -61,20 +60,12 @@ def extensible(seed: int, whole: bool) -> Place:
 
 
 def _draw(family: str, seed: int, robot: sn.Robot, scene: sn.Scene, whole: bool) -> Place:
-    """Draw shapes until one is free: bends pi U(0, 1), plane angles 2 pi U(0, 1), lengths even over their range."""
+    """Draw shapes until one is free."""
     rng = np.random.default_rng([seed, len(robot), int(whole)])
     while True:
-        q = _shape(robot, rng)
+        q = published_configurations(robot, 1, rng)[0]
         if least_clearance(robot, scene, q[None], 0.0)[0] > 0.0:
             break
     tip = tip_poses(robot, q[None])[0]
     asked = {"rotation": tip[:3, :3]} if whole else {"direction": tip[:3, 2]}
     return Place(family, seed, robot, scene, (sn.Target(tip[:3, 3], **asked),), TOLERANCE, q)
-
-
-def _shape(robot: sn.Robot, rng: Generator) -> Floats:
-    n = len(robot)
-    bends, angles = math.pi * rng.random(n), 2.0 * math.pi * rng.random(n)
-    low, high = np.array([segment.length for segment in robot.segments]).T
-    lengths = low + (high - low) * rng.random(n)
-    return np.stack([bends * np.cos(angles), bends * np.sin(angles), lengths], axis=-1)

@@ -11,7 +11,7 @@ from benchmarks.places.parts.surfaces import CORNERS, FACES, Faces, Surface, joi
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
-from sinuous.view.display.surfaces import arc, obstacle_surface
+from sinuous.view.display.surfaces import obstacle_surface
 
 THICKNESS = 0.15
 """Radius of a point."""
@@ -47,34 +47,9 @@ def scan(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
 
 def triangles(obstacle: Obstacle) -> Floats:
     """Corners (f, 3, 3) of triangles that cover the surface of an obstacle, or nearly so where it is round."""
-    if isinstance(obstacle, sn.Mesh):
-        corners: Floats = obstacle.vertices[obstacle.faces]
-        return corners
-    if isinstance(obstacle, sn.Sphere | sn.Capsule | sn.Cylinder):
-        facets = _of_revolution(obstacle)
-    else:
-        facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE).facets
-    return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
-
-
-def _of_revolution(obstacle: sn.Sphere | sn.Capsule | sn.Cylinder) -> Floats:
-    """Facets (f, 4, 3) of what is round. The places are what they are to the last bit, also where a circle closes."""
-    center, rotation, half, _ = obstacle.frame
-    shift, quarter = np.array([0.0, half[2]]), 0.5 * math.pi
-    if isinstance(obstacle, sn.Sphere):
-        profile = arc(obstacle.radius, -quarter, quarter, 13)
-    elif isinstance(obstacle, sn.Cylinder):
-        wall = [[obstacle.radius, height] for height in np.linspace(-half[2], half[2], WALL + 1)]
-        profile = np.array([-shift, *wall, shift])
-    else:
-        low, high = arc(obstacle.radius, -quarter, 0.0, 6) - shift, arc(obstacle.radius, 0.0, quarter, 6) + shift
-        profile = np.concatenate([low, np.linspace(low[-1], high[0], WALL + 1)[1:-1], high])
-    turn = np.linspace(0.0, 2.0 * math.pi, AROUND + 1)
-    radius, height = profile[:, :1], profile[:, 1:]
-    rings = np.stack(np.broadcast_arrays(radius * np.cos(turn), radius * np.sin(turn), height), axis=-1)
-    corners = np.stack([rings[:-1, :-1], rings[:-1, 1:], rings[1:, 1:], rings[1:, :-1]], axis=2).reshape(-1, 4, 3)
-    surface: Floats = center + corners @ rotation.T
-    return surface[:, ::-1] if obstacle.inside else surface
+    pieces = EDGE if isinstance(obstacle, sn.Box) else WALL
+    surface = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, pieces)
+    return surface.vertices[surface.triangles]
 
 
 def _on(corners: Floats, spacing: float) -> Floats:

@@ -18,7 +18,7 @@ from sinuous.problem.problem import Problem
 from sinuous.solver.options import SCATTERED, UNBOUNDED
 
 Deadline = Callable[[], float]
-"""When a solve has to end: says how many seconds are left until then. What makes starts is ended by it: see `TimeUp`."""
+"""When a solve has to end: says how many seconds are left until then. It ends what makes starts, see `ending`."""
 
 
 class TimeUp(Exception):  # noqa: N818 - no error

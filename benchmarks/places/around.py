@@ -1,6 +1,7 @@
 """What is put around a hidden shape: balls, a pipe, plates, a drum with blades, a shelf, a duct with dead ends."""
 
 import math
+from functools import partial
 
 import numpy as np
 from numpy.random import Generator
@@ -8,7 +9,7 @@ from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.places.parts.robots import robot_of
-from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, lengthened
+from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, lengthened, offshoots
 from benchmarks.places.parts.surfaces import WALL, Surface, around, hollow, joined, loft, plate, solid
 from benchmarks.places.place import Sketch
 from sinuous.base.checks import Floats
@@ -250,7 +251,8 @@ def duct(seed: int, rng: Generator) -> Sketch | None:
     q = draw_shape(robot, 2.1 * OUTSIDE * radius, rng)
     samples = math.ceil(max(q[:, 2]) / (STEP * radius))
     main = lengthened(curve_of(robot, q, samples).poses, INSIDE * radius)
-    ends = _dead_ends(main, radius, rng)
+    draw, wanted = partial(_branch, main, radius, rng), int(rng.integers(DUCT_FEWEST, DUCT_MOST + 1))
+    ends = offshoots(main[:, :3, 3], draw, wanted, TRIES, OUTSIDE * radius)
     if len(ends) < DUCT_FEWEST:
         return None
     tree = cKDTree(np.concatenate([main[:, :3, 3], *ends]))
@@ -259,23 +261,9 @@ def duct(seed: int, rng: Generator) -> Sketch | None:
     return Sketch(robot, [solid(wall, "duct")], q)
 
 
-def _dead_ends(main: Floats, radius: float, rng: Generator) -> list[Floats]:
-    """Points (m, 3) of each dead end; they touch neither each other nor the right way but where they leave it."""
-    wanted, found = int(rng.integers(DUCT_FEWEST, DUCT_MOST + 1)), list[Floats]()
-    for _ in range(TRIES):
-        if len(found) == wanted:
-            break
-        at = int(rng.uniform(0.15, 0.85) * len(main))
-        branch = _branch(main, at, radius, rng)
-        gaps = np.asarray(cKDTree(np.concatenate([main[:, :3, 3], *found])).query(branch)[0])
-        gone = np.linalg.norm(branch - branch[0], axis=-1) > 3.0 * OUTSIDE * radius
-        if gone.any() and gaps[gone.argmax() :].min() > 2.1 * OUTSIDE * radius:
-            found.append(branch)
-    return found
-
-
-def _branch(main: Floats, at: int, radius: float, rng: Generator) -> Floats:
-    """One arc that leaves the way at frame `at`, to any side but the one that the way bends to."""
+def _branch(main: Floats, radius: float, rng: Generator) -> Floats:
+    """Draw an arc that leaves the way somewhere, to any side but the one that the way bends to."""
+    at = int(rng.uniform(0.15, 0.85) * len(main))
     ahead = main[min(at + 20, len(main) - 1), :3, 3] - main[at, :3, 3]
     side = main[at, :3, :2].T @ ahead
     plane = math.atan2(-side[1], -side[0]) + rng.uniform(-1.0, 1.0)

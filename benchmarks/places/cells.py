@@ -9,7 +9,7 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.places.around import largest_half
 from benchmarks.places.parts.shapes import curve_of, draw_shape
-from benchmarks.places.parts.surfaces import Surface, ring_loft, solid
+from benchmarks.places.parts.surfaces import outlines_of, plate, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
@@ -363,7 +363,7 @@ def keyholes(robot: sn.Robot, rng: Generator) -> Sketch | None:
         if half < SMALLEST * radius:
             return None
         thickness, end = radius * rng.uniform(*KEYHOLE_THICKNESS), radius * rng.uniform(*SLOT_END)
-        walls.append(solid(_keyhole(at, half, thickness, radius, end), f"wall {len(walls) + 1}"))
+        walls.append(solid(plate(at, half, _keyhole(radius, end), thickness, SIDES), f"wall {len(walls) + 1}"))
     return sketch_of(robot, walls, q, rng)
 
 
@@ -391,17 +391,11 @@ def nested(robot: sn.Robot, rng: Generator) -> Sketch | None:
     return sketch_of(robot, [*inner.boxes("inner cell"), *outer.boxes("outer cell")], q, rng)
 
 
-def _keyhole(at: Floats, half: float, thickness: float, radius: float, end: float) -> Surface:
-    """A square wall across the z axis of a frame (4, 4), with a hole whose slot leads along x."""
-    turn = 2.0 * math.pi * np.arange(SIDES) / SIDES
-    ahead = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    square = half * ahead / np.abs(ahead).max(axis=1, keepdims=True)
+def _keyhole(radius: float, end: float) -> Floats:
+    """Radii (SIDES,) of a hole whose slot leads along x, in the directions of `outlines_of`."""
+    ahead = outlines_of(SIDES)[0]
     slot = np.minimum(end, SLOT * radius / np.maximum(np.abs(ahead[:, 1]), 1e-9))
-    hole = np.where(ahead[:, 0] > 0.0, np.maximum(HOLE * radius / math.cos(math.pi / SIDES), slot), 0.0)
-    inner = np.maximum(hole, HOLE * radius / math.cos(math.pi / SIDES))[:, None] * ahead
-    up, down = np.full((SIDES, 1), 0.5 * thickness), np.full((SIDES, 1), -0.5 * thickness)
-    rings = [np.hstack([inner, down]), np.hstack([square, down]), np.hstack([square, up]), np.hstack([inner, up])]
-    return ring_loft(np.stack(rings, axis=1) @ at[:3, :3].T + at[:3, 3]).turned
+    return np.maximum(HOLE * radius, np.where(ahead[:, 0] > 0.0, slot * math.cos(math.pi / SIDES), 0.0))
 
 
 COUNT = (2, 7)

@@ -12,8 +12,19 @@ from numpy.random import Generator
 from scipy.spatial import ConvexHull, cKDTree
 
 import sinuous as sn
-from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, keeps_from_itself
-from benchmarks.places.parts.surfaces import Surface, around, blind_bore, joined, loft, open_tube, plate, solid, tube
+from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_flat_shape, draw_shape
+from benchmarks.places.parts.surfaces import (
+    Surface,
+    around,
+    blind_bore,
+    joined,
+    layered,
+    open_tube,
+    outlines_of,
+    plate,
+    solid,
+    tube,
+)
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
@@ -126,16 +137,11 @@ def gyroid(robot: sn.Robot, rng: Generator) -> Sketch:
 
 def slab(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Bend the shape in a plane between two plates, with pillars beside it."""
-    radius, side = max(robot.radii), 1.0
-    rows = []
-    for segment in robot.segments:
-        low, high = segment.length
-        side = side if rng.random() < 0.6 else -side
-        rows.append([side * segment.max_bend * rng.uniform(0.2, 0.7), 0.0, rng.uniform(max(low, 0.3 * high), high)])
-    q = np.array(rows)
-    curve = curve_of(robot, q, 12)
-    if not keeps_from_itself(curve, APART * radius):
+    radius = max(robot.radii)
+    found = draw_flat_shape(robot, APART * radius, 0.0, rng)
+    if found is None:
         return None
+    q, curve = found
     half, normal = radius * rng.uniform(*SLAB), robot.base[:3, 1]
     plates = [sn.HalfSpace(robot.base[:3, 3] - way * half * normal, way * normal) for way in (1.0, -1.0)]
     pillars: list[Obstacle] = []
@@ -322,22 +328,23 @@ def assembly(robot: sn.Robot, rng: Generator) -> Sketch:
 
 def bar(size: float, length: float, _: Generator) -> Surface:
     """Return a bar with round ends, of some radius and length."""
-    return tube(_line(length), size, sides=8, caps=2)
+    return tube(np.array([np.eye(4), sn.pose((0.0, 0.0, length))]), size, sides=8, caps=2)
 
 
 def bolt(size: float, length: float, _: Generator) -> Surface:
     """Return a bolt with a head of six sides."""
-    return _turned(
-        [(size, 0.0), (size, 0.5 * length), (1.8 * size, 0.5 * length), (1.8 * size, 0.5 * length + size)], 6
-    )
+    circle, shank = outlines_of(6)[0], 0.5 * length
+    outlines = [(size, 0.0), (size, shank), (1.8 * size, shank), (1.8 * size, shank + size)]
+    ends = [np.array([0.0, 0.0, height]) for height in (0.0, shank + size)]
+    return layered(np.eye(4), [(radius * circle, height) for radius, height in outlines], ends)
 
 
 def bracket(size: float, length: float, rng: Generator) -> Surface:
     """Return an angle of two flanges."""
     wide, flange, thick = 0.3 * length, size * rng.uniform(2.0, 6.0), PIECE_WALL * size
     outline = [(0.0, 0.0), (flange, 0.0), (flange, thick), (thick, thick), (thick, flange), (0.0, flange)]
-    rings = np.array([[(*point, height) for point in outline] for height in (0.0, wide)])
-    return loft(rings, np.array([(0.5 * thick, 0.5 * thick, height) for height in (0.0, wide)]))
+    outlines = [(np.array(outline), height) for height in (0.0, wide)]
+    return layered(np.eye(4), outlines, [np.array([0.5 * thick, 0.5 * thick, height]) for height in (0.0, wide)])
 
 
 def pipe(size: float, length: float, rng: Generator) -> Surface:
@@ -356,17 +363,6 @@ def washer(size: float, _: float, rng: Generator) -> Surface:
     """Return a plate with a hole."""
     hole = size * rng.uniform(1.0, 6.0)
     return plate(np.eye(4), 2.0 * hole, hole, PIECE_WALL * size, sides=16)
-
-
-def _line(length: float) -> Floats:
-    return np.array([np.eye(4), sn.pose((0.0, 0.0, length))])
-
-
-def _turned(outline: list[tuple[float, float]], sides: int) -> Surface:
-    """Return what has this outline of radii and heights, with flat ends."""
-    turns = 2.0 * math.pi * np.arange(sides) / sides
-    rings = [[(r * math.cos(turn), r * math.sin(turn), z) for turn in turns] for r, z in outline]
-    return loft(np.array(rings), np.array([(0.0, 0.0, outline[0][1]), (0.0, 0.0, outline[-1][1])]))
 
 
 def _turn(rng: Generator) -> Floats:

@@ -1,6 +1,7 @@
 """What a body is led through: open pipes, corridors between cells, bores, ducts, branching and tapering tubes."""
 
 import math
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -8,8 +9,17 @@ from numpy.random import Generator
 from scipy.spatial import cKDTree
 
 from benchmarks.places.cells import SAMPLES, Line, box_between, cell_around, channel, in_frame, line_of
-from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, keeps_from_itself, lengthened
-from benchmarks.places.parts.surfaces import WALL, Surface, around, blind_bore, open_tube, solid, widening_tube
+from benchmarks.places.parts.shapes import (
+    Curve,
+    arc,
+    curve_of,
+    draw_flat_shape,
+    draw_shape,
+    keeps_from_itself,
+    lengthened,
+    offshoots,
+)
+from benchmarks.places.parts.surfaces import WALL, Surface, around, blind_bore, open_tube, solid
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
@@ -180,7 +190,7 @@ def funnel(robot: Robot, rng: Generator) -> Sketch | None:
     poses = past(robot, q, curve.poses[begin:], rng)
     share = np.linspace(0.0, 1.0, len(poses))
     inside = width * radius * (1.0 + (widened - 1.0) * np.clip(1.0 - share / CONE, 0.0, 1.0))
-    return sketch_of(robot, [solid(widening_tube(poses, inside, inside + WALL * radius), "funnel")], q, rng)
+    return sketch_of(robot, [solid(open_tube(poses, inside, inside + WALL * radius), "funnel")], q, rng)
 
 
 def past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
@@ -249,11 +259,11 @@ def branches(robot: Robot, rng: Generator) -> Sketch | None:
     radius, width = max(robot.radii), rng.uniform(*BRANCH_WIDTH)
     q = draw_shape(robot, 2.2 * (width + WALL) * radius, rng)
     curve = curve_of(robot, q, math.ceil(q[:, 2].max() / (BRANCH_STEP * radius)))
-    dead = _dead_end(curve.poses, width + WALL, radius, rng)
-    if dead is None:
+    dead = offshoots(curve.points, partial(_dead_end, curve.poses, radius, rng), 1, TRIES, (width + WALL) * radius)
+    if not dead:
         return None
     tool = np.linspace(curve.points[-1], line_of(robot, q).end, 20)
-    axes = np.concatenate([curve.points, dead, tool])
+    axes = np.concatenate([curve.points, *dead, tool])
     beyond = np.linspace(0.0, (width + 2.0) * radius, 20)[:, None]
     open_at = [tool[-1] + beyond * curve.tangents[-1]]
     if rng.random() < OPENED:
@@ -275,18 +285,13 @@ def lumen(axes: Floats, outer: Floats, hollow: Floats, inner: Floats, cell: floa
     return around(axes, float(outer.max()), cell, signed)
 
 
-def _dead_end(poses: Floats, outside: float, radius: float, rng: Generator) -> Floats | None:
-    """Points (m, 3) of a straight branch that comes near the pipe (m, 4, 4) only where it leaves it."""
-    for _ in range(TRIES):
-        at = poses[round(rng.uniform(*WHERE) * (len(poses) - 1))]
-        turn, angle = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*ANGLE)
-        sideways = at[:3, :2] @ [math.cos(turn), math.sin(turn)]
-        gone = np.arange(0.0, radius * rng.uniform(*BRANCH), BRANCH_STEP * radius)
-        points: Floats = at[:3, 3] + gone[:, None] * (math.cos(angle) * at[:3, 2] + math.sin(angle) * sideways)
-        far = gone > 3.2 * outside * radius
-        if far.any() and np.min(cKDTree(poses[:, :3, 3]).query(points[far])[0]) > 2.1 * outside * radius:
-            return points
-    return None
+def _dead_end(poses: Floats, radius: float, rng: Generator) -> Floats:
+    """Draw a straight branch (k, 3) that leaves a pipe (m, 4, 4)."""
+    at = poses[round(rng.uniform(*WHERE) * (len(poses) - 1))]
+    turn, angle = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*ANGLE)
+    sideways = at[:3, :2] @ [math.cos(turn), math.sin(turn)]
+    gone = np.arange(0.0, radius * rng.uniform(*BRANCH), BRANCH_STEP * radius)[:, None]
+    return np.asarray(at[:3, 3] + gone * (math.cos(angle) * at[:3, 2] + math.sin(angle) * sideways))
 
 
 DUCT_WIDTH = (1.25, 3.0)
@@ -295,23 +300,21 @@ DUCT_WIDTH = (1.25, 3.0)
 SHEET = 0.8
 """Thickness of the walls. Both in radii of the body."""
 
-BENDS, TURNED, INSERTED = (0.1, 0.8), 0.35, (0.3, 1.0)
-"""Bends, of the largest; share of segments from which on it bends to the other side; insertions, of the longest."""
-
 BEGINS, ENDS, DUCT_WITHIN = (0.1, 0.35), (0.5, 0.95), 0.6
 """Where a duct begins and ends, of the shape; and share of those that begin at the base."""
 
-SHAPES, EVERY = 40, 3
-"""Shapes drawn for one; and frames of the shape from one box of a wall to the next."""
+EVERY = 3
+"""Frames of the shape from one box of a wall to the next."""
 
 
 def box_duct(robot: Robot, rng: Generator) -> Sketch | None:
     """Lead a duct around a flat shape, from the base or from a place beyond it."""
     radius, (width, height) = max(robot.radii), rng.uniform(*DUCT_WIDTH, 2)
-    found = _flat(robot, 2.2 * (width + SHEET) * radius, rng)
+    plane = rng.uniform(0.0, 2.0 * math.pi)
+    found = draw_flat_shape(robot, 2.2 * (width + SHEET) * radius, plane, rng)
     if found is None:
         return None
-    q, plane, curve = found
+    q, curve = found
     last, at_base = len(curve.poses) - 1, rng.random() < DUCT_WITHIN
     begin, end = 0 if at_base else round(rng.uniform(*BEGINS) * last), round(rng.uniform(*ENDS) * last)
     turn = np.eye(4)
@@ -320,20 +323,6 @@ def box_duct(robot: Robot, rng: Generator) -> Sketch | None:
     if at_base:
         poses = backwards(poses, radius, rng)
     return sketch_of(robot, _walls(poses, width * radius, height * radius, SHEET * radius), q, rng)
-
-
-def _flat(robot: Robot, apart: float, rng: Generator) -> tuple[Floats, float, Curve] | None:
-    """Draw a configuration (n, 3) that bends in one plane and keeps `apart` from itself; and that plane, rad."""
-    low, high, most = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
-    low = np.where(low == 0.0, INSERTED[0] * high, low)
-    for _ in range(SHAPES):
-        plane, side = rng.uniform(0.0, 2.0 * math.pi), np.cumprod(np.where(rng.random(len(robot)) < TURNED, -1.0, 1.0))
-        bends = side * most * rng.uniform(*BENDS, len(robot))
-        q = np.stack([bends * math.cos(plane), bends * math.sin(plane), rng.uniform(low, high)], axis=-1)
-        curve = curve_of(robot, q, RINGS)
-        if keeps_from_itself(curve, apart):
-            return q, plane, curve
-    return None
 
 
 def _walls(poses: Floats, width: float, height: float, sheet: float) -> list[Box]:
@@ -408,7 +397,7 @@ def stenosis(robot: Robot, rng: Generator) -> Sketch:
     for center in (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count:
         throat = rng.uniform(*THROAT)
         inside = np.minimum(inside, throat + (wide - throat) * (1.0 - np.exp(-(((share - center) * 6.0 * count) ** 2))))
-    wall = widening_tube(poses, radius * inside, radius * (inside + WALL))
+    wall = open_tube(poses, radius * inside, radius * (inside + WALL))
     return sketch_of(robot, [solid(wall, "vessel")], q, rng)
 
 
@@ -418,19 +407,14 @@ def bronchi(robot: Robot, rng: Generator) -> Sketch | None:
     q = draw_shape(robot, 2.2 * (begin + WALL) * radius, rng)
     samples = math.ceil(q[:, 2].max() / (VESSEL_STEP * radius))
     poses = lengthened(curve_of(robot, q, samples).poses, end * radius)
-    axes, widths = [poses[:, :3, 3]], [radius * np.linspace(begin, end, len(poses))]
-    for _ in range(int(rng.integers(TWIGS[0], TWIGS[1] + 1))):
-        at = int(rng.uniform(0.1, 0.8) * len(poses))
-        width = TWIG_WIDTH * widths[0][at]
-        twig = _twig(poses[at], radius, rng)
-        far = np.linalg.norm(twig - twig[0], axis=1) > 3.2 * (begin + WALL) * radius
-        gaps = np.asarray(cKDTree(np.concatenate(axes)).query(twig)[0])
-        if far.any() and gaps[far].min() > 2.1 * (begin + WALL) * radius:
-            axes.append(twig)
-            widths.append(np.full(len(twig), width))
-    if len(axes) == 1:
+    main, widths = poses[:, :3, 3], radius * np.linspace(begin, end, len(poses))
+    draw, most = partial(_twig, poses, radius, rng), int(rng.integers(TWIGS[0], TWIGS[1] + 1))
+    twigs = offshoots(main, draw, most, most, (begin + WALL) * radius)
+    if not twigs:
         return None
-    points, inside = np.concatenate(axes), np.concatenate(widths)
+    tree = cKDTree(main)
+    room_at = [np.full(len(twig), TWIG_WIDTH * widths[tree.query(twig[0])[1]]) for twig in twigs]
+    points, inside = np.concatenate([main, *twigs]), np.concatenate([widths, *room_at])
     mouth = poses[0, :3, 3] - np.linspace(0.0, (begin + 2.0) * radius, 20)[:, None] * poses[0, :3, 2]
     hollow, room = np.concatenate([points, mouth]), np.concatenate([inside, np.full(20, begin * radius)])
     surface = lumen(points, inside + WALL * radius, hollow, room, VESSEL_CELL * radius)
@@ -461,8 +445,9 @@ def _vessel_piped(poses: Floats, radius: float, rng: Generator) -> Floats:
     return poses[max(1, round(rng.uniform(*BEFORE) * last)) : end]
 
 
-def _twig(at: Floats, radius: float, rng: Generator) -> Floats:
-    """Points (m, 3) of an arc that leaves the way at a frame (4, 4)."""
+def _twig(poses: Floats, radius: float, rng: Generator) -> Floats:
+    """Draw an arc (k, 3) that leaves a way (m, 4, 4)."""
+    at = poses[int(rng.uniform(0.1, 0.8) * len(poses))]
     plane, bend, length = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*TWIG_BEND), radius * rng.uniform(*TWIG)
     coordinates = np.array([bend * math.cos(plane), bend * math.sin(plane), length])
     points: Floats = arc(at, coordinates, math.ceil(length / (VESSEL_STEP * radius)))[:, :3, 3]

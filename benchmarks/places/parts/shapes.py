@@ -1,11 +1,12 @@
 """Hidden shapes: smoothly bent, and nowhere near themselves, so that a wall fits around them."""
 
 import math
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
+from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.judges.kinematics import arc_poses
@@ -142,3 +143,38 @@ def _keeps_apart(points: Floats, along: Floats, others: Floats, reached: Floats,
     gaps = np.linalg.norm(points[:, None] - others, axis=-1)
     far = reached - along[:, None] > 0.5 * math.pi * apart
     return bool(np.where(far, gaps, math.inf).min() > apart)
+
+
+def offshoots(way: Floats, draw: Callable[[], Floats], wanted: int, tries: int, outside: float) -> list[Floats]:
+    """Draw curves (k, 3) that leave a way (m, 3), until there are enough, with tubes of a radius around all.
+
+    They come near to each other, and to the way, only where they leave it.
+    """
+    found: list[Floats] = []
+    for _ in range(tries):
+        branch = draw()
+        gaps = np.asarray(cKDTree(np.concatenate([way, *found])).query(branch)[0])
+        gone = np.linalg.norm(branch - branch[0], axis=-1) > 3.2 * outside
+        if gone.any() and gaps[gone].min() > 2.1 * outside:
+            found.append(branch)
+        if len(found) == wanted:
+            break
+    return found
+
+
+FLAT_BENDS, TURNED, FLAT_DRAWS, FLAT_SAMPLES = (0.1, 0.8), 0.35, 40, 9
+"""Of flat shapes: bends, of the largest; share of segments from which on they bend to the other side; shapes drawn for
+one; and frames of a segment."""
+
+
+def draw_flat_shape(robot: sn.Robot, apart: float, plane: float, rng: Generator) -> tuple[Floats, Curve] | None:
+    """Draw a configuration (n, 3) that bends in one plane (rad) and keeps `apart` from itself; and its backbone."""
+    low, high, most = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
+    low = np.where(low == 0.0, LEAST_INSERTION * high, low)
+    for _ in range(FLAT_DRAWS):
+        bends = most * rng.uniform(*FLAT_BENDS, len(robot)) * np.cumprod(np.sign(rng.random(len(robot)) - TURNED))
+        q = np.stack([bends * math.cos(plane), bends * math.sin(plane), rng.uniform(low, high)], axis=-1)
+        curve = curve_of(robot, q, FLAT_SAMPLES)
+        if keeps_from_itself(curve, apart):
+            return q, curve
+    return None

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import igl
@@ -114,24 +114,21 @@ def hollow(poses: Floats, inside: float, outside: float) -> Surface:
     return joined([tube(poses, outside), tube(poses, inside).turned])
 
 
-def open_tube(poses: Floats, inside: float, outside: float, bottom: bool = False, sides: int = 16) -> Surface:
-    """Return the wall between two radii around a curve, open at both ends, or (`bottom`) only at the last one."""
+def open_tube(
+    poses: Floats, inside: float | Floats, outside: float | Floats, bottom: bool = False, sides: int = 16
+) -> Surface:
+    """Return the wall between two radii, or radii (m,), around a curve given by frames (m, 4, 4).
+
+    It is open at both ends, or (`bottom`) only at the last one.
+    """
+    widen = 1.0 / math.cos(math.pi / sides)
+    radii = np.broadcast_to(outside, len(poses)), np.broadcast_to(inside, len(poses))
+    outer, inner = ([_ring(pose, widen * r, 0.0, sides) for pose, r in zip(poses, own, strict=True)] for own in radii)
     if not bottom:
-        return widening_tube(poses, np.full(len(poses), inside), np.full(len(poses), outside), sides)
-    widen = 1.0 / math.cos(math.pi / sides)
-    outer = [_ring(pose, outside * widen, 0.0, sides) for pose in poses]
-    inner = [_ring(pose, inside * widen, 0.0, sides) for pose in poses]
-    start, tangent = poses[0, :3, 3], poses[0, :3, 2]
-    behind = _ring(poses[0], outside * widen, inside - outside, sides)
-    return loft(np.array([behind, *outer, *inner[::-1]]), np.array([start - (outside - inside) * tangent, start]))
-
-
-def widening_tube(poses: Floats, inside: Floats, outside: Floats, sides: int = 16) -> Surface:
-    """Return the wall between two radii (m,) around a curve given by frames (m, 4, 4), open at both ends."""
-    widen = 1.0 / math.cos(math.pi / sides)
-    outer = [_ring(pose, widen * radius, 0.0, sides) for pose, radius in zip(poses, outside, strict=True)]
-    inner = [_ring(pose, widen * radius, 0.0, sides) for pose, radius in zip(poses, inside, strict=True)]
-    return ring_loft(np.array([*outer, *inner[::-1]]))
+        return ring_loft(np.array([*outer, *inner[::-1]]))
+    start, tangent, wall = poses[0, :3, 3], poses[0, :3, 2], float(radii[0][0] - radii[1][0])
+    behind = _ring(poses[0], float(radii[0][0]) * widen, -wall, sides)
+    return loft(np.array([behind, *outer, *inner[::-1]]), np.array([start - wall * tangent, start]))
 
 
 def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
@@ -141,36 +138,40 @@ def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
     return ring
 
 
+def layered(pose: Floats, outlines: Sequence[tuple[Floats, float]], poles: Sequence[Floats] = ()) -> Surface:
+    """Return the skin over outlines (s, 2), each across the z axis of `pose` at a height of its own.
+
+    The last is followed by the first, or both are closed by a fan to one of two poles (3,).
+    """
+    rings = np.stack([np.column_stack([outline, np.full(len(outline), height)]) for outline, height in outlines])
+    rings = rings @ pose[:3, :3].T + pose[:3, 3]
+    return loft(rings, np.array(poles) @ pose[:3, :3].T + pose[:3, 3]) if len(poles) else ring_loft(rings)
+
+
 def blind_bore(pose: Floats, hole: float, depth: float, half: float, bottom: float, sides: int = 24) -> Surface:
     """Return a block with a bore of radius `hole` from the origin of `pose` along z, closed at `depth`.
 
     The block is square, with half the edge `half`, and goes on `bottom` beyond the bore. `sides` as for `plate`.
     """
-    circle, square = _outlines(sides)
-    low, high = np.zeros((sides, 1)), np.full((sides, 1), depth)
+    circle, square = outlines_of(sides)
     inner, outer = hole / math.cos(math.pi / sides) * circle, half * square
-    corners = [np.hstack([outer, high + bottom]), np.hstack([outer, low]), np.hstack([inner, low])]
-    corners.append(np.hstack([inner, high]))
-    poles = np.array([[0.0, 0.0, depth + bottom], [0.0, 0.0, depth]])
-    place = pose[:3, :3].T
-    return loft(np.array(corners) @ place + pose[:3, 3], poles @ place + pose[:3, 3]).turned
+    outlines = [(outer, depth + bottom), (outer, 0.0), (inner, 0.0), (inner, depth)]
+    return layered(pose, outlines, [np.array([0.0, 0.0, height]) for height in (depth + bottom, depth)]).turned
 
 
-def plate(pose: Floats, half: float, hole: float, thickness: float, sides: int = 24) -> Surface:
-    """Return a square plate across the z axis of `pose`, with a hole of radius `hole` around it.
+def plate(pose: Floats, half: float, hole: float | Floats, thickness: float, sides: int = 24) -> Surface:
+    """Return a square plate across the z axis of `pose`, with a hole around it.
 
-    `sides`, a multiple of 8, is also how often the outline is cut, so that it has its corners.
+    `hole` is a radius, or that of its outline in each of the directions (sides,) of `outlines_of`. `sides`, a multiple
+    of 8, is also how often the outline is cut, so that it has its corners.
     """
-    circle, square = _outlines(sides)
-    square = half * square
-    inner = hole / math.cos(math.pi / sides) * circle
-    up, down = np.full((sides, 1), 0.5 * thickness), np.full((sides, 1), -0.5 * thickness)
-    corners = [np.hstack([inner, down]), np.hstack([square, down]), np.hstack([square, up]), np.hstack([inner, up])]
-    rings = np.stack(corners, axis=1) @ pose[:3, :3].T + pose[:3, 3]
-    return ring_loft(rings).turned
+    circle, square = outlines_of(sides)
+    inner = np.broadcast_to(hole, sides)[:, None] / math.cos(math.pi / sides) * circle
+    low, high = -0.5 * thickness, 0.5 * thickness
+    return layered(pose, [(inner, low), (half * square, low), (half * square, high), (inner, high)])
 
 
-def _outlines(sides: int) -> tuple[Floats, Floats]:
+def outlines_of(sides: int) -> tuple[Floats, Floats]:
     """Points (sides, 2) of the circle of radius 1 and of the square around it, in the same directions."""
     turn = 2.0 * math.pi * np.arange(sides) / sides
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)

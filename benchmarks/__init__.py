@@ -3,10 +3,10 @@
 `python -m benchmarks NAME` runs one, from a clone of the repository with `pip install -e ".[bench]"`. From the ground
 up; each imports from those before it only:
 
-- `harness`: parts, journal, processes, lines, report, baseline
+- `harness`: lines, machine, parts, processes, journal, report
 - `judges`: kinematics, limits, distances and collisions by other code
 - `problems`: random problems from seeds, and those of the literature
-- `places`: intricate places with a hidden shape
+- `places`: intricate places with a hidden shape, made of `places.parts`
 - `speed`, `clutter`, `wild`, `motion`, `methods`, `many`, ...: the experiments, each named in `__main__.KNOWN`
 - `ways`, `corpus`, `rooms`, `trace`: commands of their own
 """

@@ -23,7 +23,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 if TYPE_CHECKING:
-    from benchmarks.harness.experiment import Experiment, Plan
+    from benchmarks.harness import Experiment, Plan
 
 
 class Known(NamedTuple):
@@ -111,9 +111,7 @@ def run(
         raise InputError("--without", "is for clutter", without, f"nothing with {name}")
     if rounds > 1 and name != "wild":
         raise InputError("--rounds", "is for wild", rounds, f"nothing with {name}")
-    from benchmarks.harness.conduct import conduct, require  # noqa: PLC0415
-    from benchmarks.harness.experiment import Plan  # noqa: PLC0415
-    from benchmarks.harness.parallel import ignore_suspicions  # noqa: PLC0415
+    from benchmarks.harness import Plan, conduct, ignore_suspicions, require  # noqa: PLC0415
 
     ignore_suspicions()
     require()
@@ -142,7 +140,7 @@ def experiment(name: str, plan: "Plan", parts: Sequence[str] = (), without: Sequ
     InputError
         When there is no such part, or attempt.
     """
-    from benchmarks.harness.experiment import Experiment  # noqa: PLC0415
+    from benchmarks.harness import Experiment  # noqa: PLC0415
 
     known = KNOWN[name]
     made: Any = getattr(import_module(f"benchmarks.{known.module}"), known.made)

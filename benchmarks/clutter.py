@@ -13,9 +13,7 @@ from typing import Annotated, NamedTuple
 import typer
 
 import sinuous as sn
-from benchmarks.harness.experiment import Divided, Experiment, Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.parallel import ignore_suspicions, in_processes
+from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, ignore_suspicions, in_processes
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right as judged_right

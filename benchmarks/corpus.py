@@ -31,16 +31,14 @@ import typer
 
 import sinuous as sn
 from benchmarks import derivatives
-from benchmarks.harness.command import Alone
-from benchmarks.harness.experiment import chosen
-from benchmarks.harness.parallel import ignore_suspicions, in_processes
-from benchmarks.judges.motions import wrong_in
+from benchmarks.harness import Alone, chosen, ignore_suspicions, in_processes
+from benchmarks.judges.judge import wrong_in
 from benchmarks.motion import known, moving, p5
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
 from benchmarks.problems import clutter, full_poses, paper_poses
 from benchmarks.real import captured_robot, rows_of
-from benchmarks.wild import calls, trials, worlds
+from benchmarks.wild import calls, experiment, worlds
 from sinuous.cli.app import main as sinuous
 
 SLOW = 3.0
@@ -189,7 +187,7 @@ def wild(make: Callable[[int, int], worlds.World], count: int) -> Iterator[Probl
 
 
 def _right_in_world(world: worlds.World, i: int, found: sn.Solution) -> bool:
-    return not trials.refuted(world, {i: found})[i]
+    return not experiment.refuted(world, {i: found})[i]
 
 
 def _clear(motion: sn.Motion) -> bool:

@@ -16,9 +16,8 @@ from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.places.parts.surfaces import CORNERS, FACES
+from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.places.parts import CORNERS, FACES
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.derivatives.parameters import GROUPS, circles_of
 from sinuous.base.arguments import LoadParameter, Parameter

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness import Goal, Line, Part, Plan
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 from sinuous.studies.designing.find import DEFAULT_STARTS, SOLVE_SECONDS, design

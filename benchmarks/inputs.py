@@ -22,9 +22,8 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line
-from benchmarks.places.parts.surfaces import CORNERS, FACES
+from benchmarks.harness import Goal, Line, Part, Plan
+from benchmarks.places.parts import CORNERS, FACES
 from sinuous.base.checks import Floats
 from sinuous.problem.problem import problem_warnings
 from sinuous.studies.batch.tables.reading import open_source

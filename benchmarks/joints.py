@@ -17,14 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.judges.judge import right
+from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.judges.judge import right, wrong_at
 from benchmarks.judges.kinematics import arc_ends, arc_poses, link_poses, moving, tip_poses
-from benchmarks.judges.motions import wrong_at
 from benchmarks.mbm import panda
 from benchmarks.motion.leader import Led, lines_of
-from benchmarks.wild.robots import draw_jointed
+from benchmarks.wild.worlds import draw_jointed
 from sinuous.model.joints import Joint, Prismatic, Revolute
 
 TOLERANCE = sn.Tolerance(1e-6, 1e-6)

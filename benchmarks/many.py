@@ -17,9 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line
-from benchmarks.harness.parallel import ignore_suspicions
+from benchmarks.harness import Goal, Line, Part, Plan, ignore_suspicions
 from benchmarks.problems import among_spheres, arm, random_configurations
 from sinuous.base.checks import Floats
 from sinuous.studies.batch.solve import solve_batch

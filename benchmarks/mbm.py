@@ -20,12 +20,9 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness.command import Alone, Record, give
-from benchmarks.harness.lines import Times, table
-from benchmarks.harness.parallel import in_processes
-from benchmarks.judges.judge import right
+from benchmarks.harness import Alone, Record, Times, give, in_processes, table
+from benchmarks.judges.judge import right, wrong_in
 from benchmarks.judges.kinematics import tip_poses
-from benchmarks.judges.motions import wrong_in
 from benchmarks.ways import timed
 from sinuous.base import checks
 from sinuous.base.checks import Floats

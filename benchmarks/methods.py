@@ -18,8 +18,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Divided, Experiment, Plan
-from benchmarks.harness.lines import Goal, Line, Times, number
+from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, number
 from benchmarks.judges.judge import Flags, right
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems import (

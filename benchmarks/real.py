@@ -19,8 +19,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness import Goal, Line, Part, Plan, Times
 from benchmarks.judges.cosserat import shoot
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.motion.loops import stepped

@@ -19,7 +19,7 @@ import numpy as np
 import typer
 from scipy.sparse.csgraph import connected_components
 
-from benchmarks.harness.lines import table
+from benchmarks.harness import table
 from sinuous.base.errors import InputError
 
 ROOT = Path(__file__).parents[1]

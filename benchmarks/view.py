@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.places.parts.surfaces import ball, solid
+from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.places.parts import ball, solid
 from sinuous.base.checks import Floats
 from sinuous.cli.view import TURN
 from sinuous.view.page.page import Page

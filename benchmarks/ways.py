@@ -15,13 +15,10 @@ import numpy as np
 import typer
 
 import sinuous as sn
-from benchmarks.harness.command import Alone, Record, give
-from benchmarks.harness.experiment import chosen
-from benchmarks.harness.lines import table
-from benchmarks.harness.parallel import ignore_suspicions, in_processes
+from benchmarks.harness import Alone, Record, chosen, give, ignore_suspicions, in_processes, table
 from benchmarks.judges.clearances import least_clearance
+from benchmarks.judges.judge import wrong_in
 from benchmarks.judges.kinematics import tip_poses
-from benchmarks.judges.motions import wrong_in
 from benchmarks.motion.known import straight
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import feasible, right

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness import Goal, Line, Part, Plan
 from sinuous.base.checks import Floats
 
 DATA = Path(__file__).parent / "data"

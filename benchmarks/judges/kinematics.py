@@ -1,8 +1,12 @@
-"""The kinematics once more, in plain NumPy and SciPy: what the judges compute with, so never by way of the kernels."""
+"""The kinematics once more, in plain NumPy and SciPy: what the judges compute with, so never by way of the kernels.
+
+And bodies as thick as a robot demands: what has to be free of obstacles, and what of the body itself.
+"""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from sinuous.base.arguments import OneEach
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint, Prismatic
 from sinuous.model.robot import Robot
@@ -127,3 +131,25 @@ def bend_caps(robot: Robot, lengths: Floats) -> Floats:
         if np.isfinite(segment.max_curvature):  # else length 0 would leave no bend
             caps[..., k] = np.minimum(caps[..., k], segment.max_curvature * lengths[..., k])
     return caps
+
+
+def measured_body(robot: Robot) -> Robot:
+    """Return the body that reported clearances are measured from: thicker by the uncertainty."""
+    return robot if robot.uncertainty is None else thicker(robot, robot.uncertainty.bound)
+
+
+def needed_body(robot: Robot) -> Robot:
+    """Return the body that has to be free of obstacles: thicker by the uncertainty and the demanded clearance."""
+    return thicker(measured_body(robot), robot.clearance) if np.any(robot.clearance) else measured_body(robot)
+
+
+def self_body(robot: Robot) -> Robot:
+    """Return the body that has to be free of itself: thicker by half of the demanded clearance from itself."""
+    return thicker(robot, 0.5 * np.array(robot.self_clearance)) if np.any(robot.self_clearance) else robot
+
+
+def thicker(robot: Robot, by: OneEach) -> Robot:
+    """Return the robot with other radii, and without any demand."""
+    own = np.broadcast_to(np.asarray(by, np.float64), len(robot)).tolist()
+    segments = [each.changed(radius=each.radius + more) for each, more in zip(robot.segments, own, strict=True)]
+    return robot.changed(segments=segments, clearance=0.0, self_clearance=0.0, uncertainty=None)

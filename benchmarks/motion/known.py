@@ -22,19 +22,15 @@ from numpy.random import Generator
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Line
-from benchmarks.harness.parallel import in_processes
+from benchmarks.harness import Line, Plan, in_processes
+from benchmarks.judges.judge import samples, wrong_in
 from benchmarks.judges.kinematics import body_points, segment_ends
-from benchmarks.judges.motions import samples, wrong_in
 from benchmarks.judges.self_collision import look
 from benchmarks.motion.p5 import Trial, counted
 from benchmarks.places.cells import WALL as WALLS
 from benchmarks.places.cells import Cell, cell_around, common_wall, in_frame
-from benchmarks.places.parts.robots import longest, robot_of
-from benchmarks.places.parts.shapes import curve_of, draw_shape
-from benchmarks.places.parts.surfaces import WALL, open_tube, solid
-from benchmarks.places.scans import one_mesh
+from benchmarks.places.families import one_mesh
+from benchmarks.places.parts import WALL, curve_of, draw_shape, longest, open_tube, robot_of, solid
 from benchmarks.places.tubes import RINGS
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot

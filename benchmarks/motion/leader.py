@@ -13,11 +13,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness import Goal, Line, Plan, Times
 from benchmarks.judges.clearances import GRACE
+from benchmarks.judges.judge import overlap
 from benchmarks.judges.kinematics import body_places, body_points, moving
-from benchmarks.judges.motions import overlap
 from sinuous.base.checks import Floats
 from sinuous.statics.rest import bodies_at
 

@@ -14,8 +14,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness import Goal, Line, Part, Plan
 from benchmarks.judges.kinematics import arc_ends, arc_poses
 from sinuous.base.checks import Floats
 

@@ -14,10 +14,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.judges.judge import within_limits
-from benchmarks.judges.motions import overlap, too_fast
+from benchmarks.harness import Goal, Line, Plan, Times
+from benchmarks.judges.judge import overlap, too_fast, within_limits
 from sinuous.base.checks import Floats
 
 SEGMENTS, SPHERES, TICKS, LOOPS, DT = 5, 40, 1000, 12, 1e-3

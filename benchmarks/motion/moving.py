@@ -12,11 +12,10 @@ from time import perf_counter
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Line
+from benchmarks.harness import Line, Plan
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import GRACE, Clearances
-from benchmarks.judges.motions import too_fast, wrong_at
+from benchmarks.judges.judge import too_fast, wrong_at
 from benchmarks.motion.p5 import Trial, counted
 from sinuous.base.checks import Floats
 from sinuous.motion.plan import PlanArguments

@@ -18,12 +18,10 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.parallel import in_processes
+from benchmarks.harness import Goal, Line, Plan, Times, in_processes
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.motions import wrong_in
+from benchmarks.judges.judge import wrong_in
 from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR

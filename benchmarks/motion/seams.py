@@ -13,11 +13,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 import sinuous as sn
-from benchmarks.harness.experiment import Part, Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.parallel import in_processes
+from benchmarks.harness import Goal, Line, Part, Plan, Times, in_processes
+from benchmarks.judges.judge import wrong_in
 from benchmarks.judges.kinematics import tip_poses
-from benchmarks.judges.motions import wrong_in
 from sinuous.base.checks import Floats
 
 KINDS = ("pipe", "saddle", "corner", "straight", "circle", "helix", "wave")

@@ -9,10 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.parallel import in_processes
-from benchmarks.judges.motions import wrong_in
+from benchmarks.harness import Goal, Line, Plan, Times, in_processes
+from benchmarks.judges.judge import wrong_in
 from benchmarks.problems import ProblemSet, path_through
 from sinuous.base.arguments import Reconfigure
 from sinuous.motion.planning.rrt_connect import load_trees

@@ -8,9 +8,23 @@ from numpy.random import Generator
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.places.parts.robots import robot_of
-from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_shape, lengthened, offshoots
-from benchmarks.places.parts.surfaces import WALL, Surface, around, hollow, joined, loft, plate, solid
+from benchmarks.places.parts import (
+    WALL,
+    Curve,
+    Surface,
+    arc,
+    around,
+    curve_of,
+    draw_shape,
+    hollow,
+    joined,
+    lengthened,
+    loft,
+    offshoots,
+    plate,
+    robot_of,
+    solid,
+)
 from benchmarks.places.place import Sketch
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle

@@ -8,8 +8,7 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.places.around import largest_half
-from benchmarks.places.parts.shapes import curve_of, draw_shape
-from benchmarks.places.parts.surfaces import outlines_of, plate, solid
+from benchmarks.places.parts import curve_of, draw_shape, outlines_of, plate, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats

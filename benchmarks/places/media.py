@@ -12,11 +12,15 @@ from numpy.random import Generator
 from scipy.spatial import ConvexHull, cKDTree
 
 import sinuous as sn
-from benchmarks.places.parts.shapes import Curve, arc, curve_of, draw_flat_shape, draw_shape
-from benchmarks.places.parts.surfaces import (
+from benchmarks.places.parts import (
+    Curve,
     Surface,
+    arc,
     around,
     blind_bore,
+    curve_of,
+    draw_flat_shape,
+    draw_shape,
     joined,
     layered,
     open_tube,

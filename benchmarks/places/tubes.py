@@ -9,17 +9,22 @@ from numpy.random import Generator
 from scipy.spatial import cKDTree
 
 from benchmarks.places.cells import SAMPLES, Line, box_between, cell_around, channel, in_frame, line_of
-from benchmarks.places.parts.shapes import (
+from benchmarks.places.parts import (
+    WALL,
     Curve,
+    Surface,
     arc,
+    around,
+    blind_bore,
     curve_of,
     draw_flat_shape,
     draw_shape,
     keeps_from_itself,
     lengthened,
     offshoots,
+    open_tube,
+    solid,
 )
-from benchmarks.places.parts.surfaces import WALL, Surface, around, blind_bore, open_tube, solid
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness import Goal, Line, Plan, Times
 from benchmarks.places import Place, make
 from benchmarks.problems import among_spheres, arm, clutter, reachable, relative_tolerance
 from sinuous.base.checks import Floats

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from itertools import cycle, islice
 from pathlib import Path
 
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness import Goal, Line, Plan
 from benchmarks.problems import ProblemSet, among_spheres, arm
 from sinuous.solver.solver import Solver
 

@@ -1,6 +1,6 @@
 """`python -m benchmarks speed`: every figure that this project claims, measured in one run."""
 
-from benchmarks.harness.experiment import Part
+from benchmarks.harness import Part
 from benchmarks.speed import budgets, endurance, fields, parts, rivals, solves, startup
 
 PARTS: dict[str, Part] = {

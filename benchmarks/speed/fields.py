@@ -10,9 +10,8 @@ from unittest.mock import patch
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line
-from benchmarks.places.parts.surfaces import Surface, ball, solid
+from benchmarks.harness import Goal, Line, Plan
+from benchmarks.places.parts import Surface, ball, solid
 from benchmarks.problems import arm, reachable
 from benchmarks.speed.solves import solve_all
 

@@ -7,8 +7,7 @@ from time import process_time
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness import Goal, Line, Plan
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import MANY_OBSTACLES
 from sinuous.scene.obstacles import Obstacle

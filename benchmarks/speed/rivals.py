@@ -24,8 +24,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import sinuous as sn
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness import Goal, Line, Plan, Times
 from benchmarks.problems import ProblemSet, arm, reachable, relative_tolerance
 from sinuous.base.checks import Floats
 from sinuous.kernels.chain import batch

@@ -12,9 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
-from benchmarks.harness.parallel import in_processes
+from benchmarks.harness import Goal, Line, Plan, Times, in_processes
 from benchmarks.judges.judge import Flags, within_limits
 from benchmarks.problems import ProblemSet, among_spheres, arm, clutter, full_poses, reachable, relative_tolerance
 from sinuous.base.checks import Floats

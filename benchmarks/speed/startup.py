@@ -10,8 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Goal, Line, Times
+from benchmarks.harness import Goal, Line, Plan, Times
 
 SECTION = "fresh processes, from start to end, with the interpreter's own start"
 

@@ -1,5 +1,9 @@
 """A wild world: one robot in one scene, and problems that each have a hidden solution there.
 
+Robots are of all sorts: fixed and extensible segments, insertion stages, rigid links, tendons, chambers, joints, any
+scale. Obstacles are of every kind about given bodies: some just beside them, some anywhere, now and then a room around
+all.
+
 Besides worlds of anything there are kinds that an audit of the proofs asked for: each strains one argument. Judges
 share no code with the solver. Obstacles with huge coordinates are judged in extended precision. The shape of a robot
 under load is its equilibrium, looked for anew; that this is at rest is held against Cosserat rods elsewhere
@@ -13,18 +17,329 @@ from typing import Any
 
 import numpy as np
 from numpy.random import Generator
+from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.kinematics import body_points, segment_ends
+from benchmarks.judges.kinematics import (
+    arm_of,
+    bend_caps,
+    body_places,
+    body_points,
+    moving,
+    needed_body,
+    segment_ends,
+    self_body,
+)
 from benchmarks.judges.self_collision import Flags, look, surely_clear
-from benchmarks.places.parts.surfaces import Surface, joined
-from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
-from benchmarks.wild.robots import TIGHTEST, jointed_robot, jointed_shapes, robot_with_shapes, shapes_of
+from benchmarks.places.parts import CORNERS, FACES, Surface, joined
+from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
+from sinuous.measures.obstacles import measure
+from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
+from sinuous.model.poses import least_rotation
 from sinuous.scene.obstacles import Obstacle
 from sinuous.statics.rest import bodies_at
+
+SIZES = ((1, 4), (4, 9), (9, 17), (17, 41))
+"""Ranges of the number of segments, each without its end."""
+
+SIZE_SHARES = (0.4, 0.4, 0.13, 0.07)
+
+SCALES = (-6.0, 3.5)
+"""Powers of ten between which a segment is long: micrometres to kilometres."""
+
+TIGHTEST = 0.98
+"""Largest curvature of a hidden shape, of one over its radius: a body that avoids itself bends no tighter than that."""
+
+JOINTED_SCALES, MOST_JOINTS, MOST_SEGMENTS = (-4.0, 3.0), 8, 6
+"""The same of arms with joints; and how many joints, and segments, these have at most."""
+
+SHAPE_DRAWS = 16
+"""Times that shapes are drawn, more and more gently bent, until they are clear of themselves."""
+
+
+def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = SCALES) -> tuple[sn.Robot, Floats]:
+    """Draw a robot, and up to `count` configurations (m, n, 3) within its limits that are clear of themselves.
+
+    `scales` are the powers of ten between which a segment is long.
+    """
+    size = int(rng.integers(*SIZES[rng.choice(len(SIZES), p=SIZE_SHARES)]))
+    unit = 10.0 ** rng.uniform(*scales)
+    segments = draw_segments(size, unit, rng)
+    place: dict[str, Any] = {
+        "mount": rng.uniform(0.0, 0.8) * unit if rng.random() < 0.15 else 0.0,
+        "base": sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
+        "tool": sn.pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,
+    }
+    robot = sn.Robot(segments, **place)
+    q = shapes_of(robot, count, rng)
+    if len(q) and rng.random() < 0.15:
+        robot = sn.Robot(_driven(segments, q, unit, rng), **place)
+    return robot, q
+
+
+def draw_segments(size: int, unit: float, rng: Generator) -> list[sn.Segment]:
+    """Draw segments all alike, or each of its own sort; at least one can bend."""
+    thin = rng.random() < 0.1
+    radius = 0.0 if thin else unit * 10.0 ** rng.uniform(-3.0, -0.6)
+    widest = rng.choice([math.pi, rng.uniform(0.4, math.pi), rng.uniform(math.pi, 6.0)], p=[0.15, 0.35, 0.5])
+    tapered = not thin and rng.random() < 0.2
+    alike = rng.random() < 0.5
+    first = _bending(unit, widest, radius, rng)
+    drawn = [first if alike else _any(unit, widest, radius, rng) for _ in range(size - 1)] + [first]
+    if size > 1 and rng.random() < 0.15:
+        drawn[0] = sn.Segment((0.0, unit * rng.uniform(0.5, 3.0)), 0.0, None, radius)  # an insertion stage
+    if not tapered:
+        return drawn
+    return [each.changed(radius=each.radius * rng.uniform(0.5, 1.0)) for each in drawn]
+
+
+def _any(unit: float, widest: float, radius: float, rng: Generator) -> sn.Segment:
+    """Draw a segment that bends, a rigid link, or a straight one that stretches."""
+    own = unit * rng.uniform(0.5, 1.5)
+    kind = rng.choice(["bending", "rigid", "straight"], p=[0.82, 0.12, 0.06])
+    if kind == "rigid":
+        return sn.Segment((own, own), 0.0, None, radius)
+    if kind == "straight":
+        return sn.Segment((0.3 * own, own), 0.0, None, radius)
+    return _bending(own, widest * rng.uniform(0.5, 1.0), radius, rng)
+
+
+def _bending(own: float, max_bend: float, radius: float, rng: Generator) -> sn.Segment:
+    low = own * rng.choice([1.0, rng.uniform(0.5, 0.95), 0.0], p=[0.5, 0.42, 0.08])
+    curvature = rng.uniform(1.0, 6.0) / own if rng.random() < 0.25 else None
+    return sn.Segment((low, own), max_bend, curvature, radius)
+
+
+def shapes_of(robot: sn.Robot, count: int, rng: Generator) -> Floats:
+    """Return shapes that are surely clear of themselves; those that fail are drawn anew, each time more gently bent."""
+    found = np.empty((0, len(robot), 3))
+    most = 1.0
+    for _ in range(SHAPE_DRAWS):
+        drawn = draw_shapes(robot, count - len(found), most, rng)
+        found = np.concatenate([found, drawn[surely_clear(robot, drawn)]])
+        if len(found) == count:
+            break
+        most *= 0.85
+    return found
+
+
+def draw_shapes(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
+    """Draw shapes that use `most` of the bends they may have; a few segments are at the limit of their length."""
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    size = count, len(robot)
+    share = rng.random(size)
+    share = np.where(rng.random(size) < 0.05, np.round(share), share)
+    lengths = low + (high - low) * share
+    radii = np.array(robot.radii)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.where(radii > 0.0, TIGHTEST * lengths / radii, math.inf)
+    norms = most * np.minimum(bend_caps(robot, lengths), own) * np.sqrt(rng.random(size))
+    angles = 2.0 * math.pi * rng.random(size)
+    return np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
+
+
+def _driven(segments: list[sn.Segment], q: Floats, unit: float, rng: Generator) -> list[sn.Segment]:
+    """Give some segments tendons, or some chambers, with limits that the shapes (m, n, 3) just keep.
+
+    The others get tendons without limits: what no actuator bends would be locked.
+    """
+    by_tendons = rng.random() < 0.6
+    driven = []
+    for k, segment in enumerate(segments):
+        driven.append(segment.changed(tendons=sn.Tendons(3, 0.1 * unit)) if segment.max_bend > 0.0 else segment)
+        if segment.max_bend == 0.0 or rng.random() < 0.4:
+            continue
+        arm, first, slack = unit * rng.uniform(0.02, 0.2), rng.uniform(0.0, math.pi), rng.uniform(1.0001, 1.5)
+        angles = first + 2.0 * math.pi * np.arange(3) / 3.0
+        arms = arm * np.stack([np.cos(angles), np.sin(angles)])
+        if by_tendons:
+            pulled = q[:, : k + 1, :2].sum(axis=1) @ arms
+            limits = min(0.0, slack * pulled.min()), max(0.0, slack * pulled.max())
+            driven[k] = segment.changed(tendons=sn.Tendons(3, arm, first, displacement=limits))
+            continue
+        lengths = q[:, k, 2:] - q[:, k, :2] @ arms
+        middle, extent = 0.5 * (lengths.min() + lengths.max()), slack * 0.5 * (lengths.max() - lengths.min())
+        if lengths.min() >= 0.0:
+            limits = max(0.0, middle - extent), middle + extent
+            driven[k] = segment.changed(chambers=sn.Chambers(3, arm, first, length=limits))
+    return driven
+
+
+def jointed_robot(rng: Generator) -> sn.Robot:
+    """Draw an arm with joints before its segments, or with joints alone, and bodies of links."""
+    unit = 10.0 ** rng.uniform(*JOINTED_SCALES)
+    joints: list[Joint] = []
+    for i in range(int(rng.integers(1, MOST_JOINTS + 1))):
+        axis = rng.normal(size=3) if rng.random() < 0.5 else np.eye(3)[rng.integers(3)] * rng.choice([-1.0, 1.0])
+        place = unit * in_ball(rng) if rng.random() < 0.7 else np.zeros(3)
+        origin = sn.pose(place, rotation=rng.normal(size=4)) if rng.random() < 0.6 else sn.pose(place)
+        body = [_capsule(unit, rng) for _ in range(int(rng.choice([0, 1, 2], p=[0.5, 0.4, 0.1])))]
+        kind = rng.choice(["revolute", "prismatic", "fixed"], p=[0.65, 0.2, 0.15]) if i else "revolute"
+        touches = [str(rng.choice(["base", *(f"j{k}" for k in range(1, i + 1))]))] if rng.random() < 0.15 else []
+        low = rng.uniform(-math.pi, 0.5)
+        if kind == "fixed":
+            joints.append(Fixed(origin, body=body))
+        elif kind == "revolute":
+            limits = None if rng.random() < 0.3 else (low, low + rng.uniform(0.1, 4.0))
+            joints.append(Revolute(axis, limits, origin, body=body, touches=touches))
+        else:
+            limits = 0.4 * unit * low, 0.4 * unit * low + unit * rng.uniform(0.1, 2.0)
+            joints.append(Prismatic(axis, limits, origin, body=body, touches=touches))
+    size = int(rng.integers(0, MOST_SEGMENTS + 1))
+    segments = draw_segments(size, unit, rng) if size else []
+    return sn.Robot(
+        segments,
+        joints=joints,
+        base=sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
+        tool=sn.pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.3 else None,
+    )
+
+
+def _capsule(unit: float, rng: Generator) -> tuple[Floats, Floats, float]:
+    start = 0.1 * unit * in_ball(rng)
+    return start, start + unit * rng.uniform(0.0, 0.8) * in_ball(rng), unit * 10.0 ** rng.uniform(-2.5, -0.8)
+
+
+def draw_jointed(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
+    """Draw configurations (m, rows, 3) of an arm with joints, whose segments use `most` of the bends they may have."""
+    low, high = np.array([joint.limits for joint in moving(robot.joints)]).T
+    arm = arm_of(robot)
+    values = low + (high - low) * rng.random((count, len(low)))
+    return robot.with_joints(np.zeros((count, 0, 3)) if arm is None else draw_shapes(arm, count, most, rng), values)
+
+
+def jointed_shapes(robot: sn.Robot, count: int, clear: float, rng: Generator) -> Floats:
+    """Draw up to `count` configurations (m, rows, 3) of an arm with joints that are so far from themselves."""
+    drawn = draw_jointed(robot, 4 * count, rng.uniform(0.3, 1.0), rng)
+    drawn = drawn[look(robot, drawn, 0.0).least > 0.0][:count]
+    return np.asarray(drawn[look(robot, drawn, clear).least > clear])
+
+
+COUNTS = ((0, 1), (1, 8), (8, 61))
+"""Ranges of the number of obstacles, each without its end."""
+
+COUNT_SHARES = (0.15, 0.4, 0.45)
+
+OBSTACLE_KINDS = {"sphere": 0.34, "box": 0.25, "capsule": 0.17, "cylinder": 0.18, "half_space": 0.06}
+
+RICH = 0.02
+"""Share of scenes with a mesh, and of those with a cloud: preparing them takes longer than all the rest."""
+
+SAMPLES = 12
+"""Intervals of a segment at whose ends obstacles are kept off the bodies while a scene is drawn."""
+
+
+def scene_about(robot: sn.Robot, q: Floats, rng: Generator) -> sn.Scene:
+    """Draw a scene in which the bodies of configurations (m, n, 3) are clear, as far as samples of them say."""
+    (points, radii), unit = _bodies(robot, q), robot.mean_length
+    low, high = COUNTS[rng.choice(len(COUNTS), p=COUNT_SHARES)]
+    count = int(rng.integers(low, high))
+    drawn: list[Obstacle] = []
+    if count and rng.random() < 0.2:
+        drawn.append(_room(points, radii, unit, rng))
+    kinds = rng.choice(list(OBSTACLE_KINDS), p=list(OBSTACLE_KINDS.values()), size=max(0, count - len(drawn)))
+    drawn += [_solid(str(kind), *_place(points, radii, unit, rng), unit, rng) for kind in kinds]
+    if count and rng.random() < RICH:
+        drawn.append(_mesh(_place(points, radii, unit, rng), unit, rng))
+    if count and rng.random() < RICH:
+        cloud = points.mean(axis=0) + unit * np.array([in_ball(rng) for _ in range(100)])
+        drawn.append(sn.PointCloud(_clear_of(points, radii, cloud, 0.02 * unit), 0.01 * unit))
+    return sn.Scene([obstacle for obstacle in drawn if (measure(obstacle, points) > radii).all()])
+
+
+def _bodies(robot: sn.Robot, q: Floats) -> tuple[Floats, Floats]:
+    """Points (k, 3) of all backbones beyond the mount, and of links, and the radius (k,) of the body at each."""
+    if robot.joints:
+        bodies = body_places(robot, q, SAMPLES) or [(0, robot.base[None, None, :3, 3], 0.0)]
+        radii = [np.full(points[..., 0].size, radius) for _, points, radius in bodies]
+        return np.concatenate([points.reshape(-1, 3) for _, points, _ in bodies]), np.concatenate(radii)
+    points, along = body_points(robot, q, SAMPLES)
+    exposed = along >= robot.mount
+    if not exposed.any():
+        exposed[..., -1, -1] = True
+    return points[exposed], np.broadcast_to(np.array(robot.radii)[:, None], along.shape)[exposed]
+
+
+def _clear_of(points: Floats, radii: Floats, centers: Floats, room: float) -> Floats:
+    """Those of the centers, or a far one, that leave the bodies some room."""
+    gaps = np.linalg.norm(centers[:, None] - points, axis=-1) - radii
+    kept = centers[gaps.min(axis=1) > room]
+    return np.asarray(kept if len(kept) else points[:1] + 1e3 * (room + np.abs(points - points[0]).max()))
+
+
+def _place(points: Floats, radii: Floats, unit: float, rng: Generator) -> tuple[Floats, Floats, float]:
+    """Draw a place, the direction away from the body, and how far off the backbone an obstacle there has to begin."""
+    i = rng.integers(len(points))
+    away = in_ball(rng)
+    away /= np.linalg.norm(away)
+    gap = unit * (10.0 ** rng.uniform(-4.0, -1.0) if rng.random() < 0.5 else rng.uniform(0.0, 0.8))
+    return points[i], away, float(radii[i]) + gap
+
+
+def _solid(kind: str, at: Floats, away: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
+    """Draw an obstacle that begins `off` from a place: its extent towards it is that of its support."""
+    radius = unit * rng.uniform(0.01, 0.15)
+    if kind == "sphere":
+        return sn.Sphere(at + (off + radius) * away, radius)
+    if kind == "half_space":
+        return sn.HalfSpace(at + off * away, -away)
+    rotation = least_rotation(away) @ _turn(rng)
+    if kind == "box":
+        size = unit * rng.uniform(0.02, 0.5, 3)
+        return sn.Box(at + (off + 0.5 * float(np.abs(away @ rotation) @ size)) * away, size, rotation)
+    half = 0.5 * unit * rng.uniform(0.05, 1.0) * rotation[:, 0]
+    radius *= 0.5
+    middle = at + (off + abs(float(half @ away)) + radius) * away
+    return (sn.Capsule if kind == "capsule" else sn.Cylinder)(middle - half, middle + half, radius)
+
+
+def _turn(rng: Generator) -> Floats:
+    """Draw a rotation; every other one about z alone, which leaves long obstacles across."""
+    return pose_rotation(rng.normal(size=4) * ([1.0, 0.0, 0.0, 1.0] if rng.random() < 0.5 else 1.0))
+
+
+def pose_rotation(quaternion: Floats) -> Floats:
+    """Rotation (3, 3) of a quaternion of any norm."""
+    return Rotation.from_quat(quaternion, scalar_first=True).as_matrix()
+
+
+def _room(points: Floats, radii: Floats, unit: float, rng: Generator) -> Obstacle:
+    """Draw a room that holds all bodies: a box, a ball, a cylinder, or a box of triangles."""
+    rotation = pose_rotation(rng.normal(size=4))
+    local = points @ rotation
+    low, high = (local - radii[:, None]).min(axis=0), (local + radii[:, None]).max(axis=0)
+    room = unit * 10.0 ** rng.uniform(-3.0, 0.0, 3)
+    middle, half = rotation @ (0.5 * (low + high)), 0.5 * (high - low) + room
+    kind = rng.choice(["box", "ball", "cylinder", "mesh"], p=[0.5, 0.23, 0.23, 0.04])
+    if kind == "box":
+        return sn.Box(middle, 2.0 * half, rotation, inside=True)
+    if kind == "ball":
+        return sn.Sphere(middle, float((np.linalg.norm(points - middle, axis=1) + radii).max() + room[0]), inside=True)
+    if kind == "cylinder":
+        across = local[:, :2] - (rotation.T @ middle)[:2]
+        radius = float((np.linalg.norm(across, axis=1) + radii).max() + room[0])
+        return sn.Cylinder(middle - half[2] * rotation[:, 2], middle + half[2] * rotation[:, 2], radius, inside=True)
+    return _block(middle, half, rotation, inside=True)
+
+
+def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> sn.Mesh:
+    at, away, off = place
+    half = unit * rng.uniform(0.02, 0.2, 3)
+    rotation = pose_rotation(rng.normal(size=4))
+    return _block(at + (off + float(np.abs(away @ rotation) @ half)) * away, half, rotation)
+
+
+def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False) -> sn.Mesh:
+    """Return a box of triangles."""
+    return sn.Mesh(*block_surface(middle, half, rotation), inside=inside)
+
+
+def block_surface(middle: Floats, half: Floats, rotation: Floats) -> Surface:
+    """Return the triangles of a box with these halves of edges (3,) along the columns of a rotation (3, 3)."""
+    return Surface(2.0 * half * CORNERS @ rotation.T + middle, FACES)
+
 
 LIMIT = 1.0
 """Budget of one solve, in seconds, where a kind has none of its own."""

@@ -11,9 +11,7 @@ import sinuous as sn
 from benchmarks import clutter, derivatives, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Trial, examine
-from benchmarks.harness.conduct import conduct
-from benchmarks.harness.experiment import Plan
-from benchmarks.harness.lines import Line
+from benchmarks.harness import Line, Plan, conduct
 from benchmarks.motion import loops, moving, p5
 from benchmarks.problems import among_spheres, arm, paper_poses
 from benchmarks.speed import endurance, solves

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.harness.conduct import INTERRUPTED, Journal, conduct
-from benchmarks.harness.experiment import Experiment, Measured, Plan
-from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness import INTERRUPTED, Experiment, Goal, Journal, Line, Measured, Plan, conduct
 
 
 def steps(plan: Plan, *ends: float | BaseException) -> Experiment:

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
+from benchmarks import harness
 from benchmarks.__main__ import KNOWN, experiment, main
-from benchmarks.harness import conduct as harness
-from benchmarks.harness.experiment import Plan
+from benchmarks.harness import Plan
 from tests.helpers import with_each
 
 

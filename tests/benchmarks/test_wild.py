@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges.bodies import thicker
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import target_errors, within_limits
+from benchmarks.judges.kinematics import thicker
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import calls, motions, trials, worlds
-from benchmarks.wild.trials import (
+from benchmarks.wild import calls, experiment, worlds
+from benchmarks.wild.experiment import (
     CLEARANCE,
     DEMAND,
     LIMITS,
@@ -88,9 +88,9 @@ def test_what_is_called_impossible(solution: sn.Solution, code: int) -> None:
 
 def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:
     made = [Trial("solved", 0.1), Trial("solved", 0.5), Trial("solved", 1.5), Trial("solved", 0.1, (OVERLAP,))]
-    monkeypatch.setattr(trials, "examine", lambda _: made)
-    part = trials.tallied(lambda number: world([]), range(7, 8))
-    within, quick, false = trials.lines_of("s", "w", 30, [part])
+    monkeypatch.setattr(experiment, "examine", lambda _: made)
+    part = experiment.tallied(lambda number: world([]), range(7, 8))
+    within, quick, false = experiment.lines_of("s", "w", 30, [part])
     assert (within.solved, quick.solved, within.held) == ((2, 4), (1, 4), False)
     assert within.note == "problems: 7.2 solved, 7.3 solved"
     assert (false.reached, false.held, false.note) == (1, False, "problems: 7.3 overlap")
@@ -134,22 +134,22 @@ def test_some_worlds_are_solved_and_hold(make: Callable[[int, int], World]) -> N
     assert not [trial.false for number in range(4) for trial in examine(make(0, number)) if trial.false]
 
 
-@pytest.mark.parametrize("kind", [k for k in motions.KINDS if k.split()[0] not in ("timed", "tracked", "arms")])
+@pytest.mark.parametrize("kind", [k for k in experiment.KINDS if k.split()[0] not in ("timed", "tracked", "arms")])
 def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = motions.KINDS[kind]
+    made = experiment.KINDS[kind]
     found = [made(0, number) for number in range(4)]
     assert all(each.false == "" for each in found)
     assert any(each.good for each in found)
     for name in ("needed_body", "self_body"):
-        monkeypatch.setattr(f"benchmarks.judges.motions.{name}", lambda robot: thicker(robot, 5.0 * robot.mean_length))
+        monkeypatch.setattr(f"benchmarks.judges.judge.{name}", lambda robot: thicker(robot, 5.0 * robot.mean_length))
     assert any(made(0, number).false for number in range(4))
 
 
 def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    number = next(number for number in range(20) if motions.timed(0, number) == Judged(True, ""))
+    number = next(number for number in range(20) if experiment.timed(0, number) == Judged(True, ""))
     at = sn.Trajectory.at
     monkeypatch.setattr(sn.Trajectory, "at", lambda self, t: at(self, t) * [1.0, 1.0, 1.0 + 1e-6])
-    assert motions.timed(0, number).false in ("limits", "rates")
+    assert experiment.timed(0, number).false in ("limits", "rates")
 
 
 def test_the_loaded_body_is_judged() -> None:
@@ -160,9 +160,9 @@ def test_the_loaded_body_is_judged() -> None:
     assert sunk[2] < -0.1
     held = World(robot, sn.Scene(), sn.Tolerance(), [[sn.Target(sunk)]], q, loaded=True)
     straight, low = sn.Scene([sn.Sphere((2.0, 0.0, 0.0), 0.05)]), sn.Scene([sn.Sphere(sunk, 0.05)])
-    assert motions._refuted(held, straight, q) == ""
-    assert motions._refuted(held, low, q) == "overlap"
-    assert motions._refuted(held, straight, 1.1 * q) == "limits"
+    assert experiment._refuted(held, straight, q) == ""
+    assert experiment._refuted(held, low, q) == "overlap"
+    assert experiment._refuted(held, straight, 1.1 * q) == "limits"
 
 
 @pytest.mark.parametrize(
@@ -186,5 +186,5 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
     monkeypatch.setattr(calls, "CALLS", {"call": (make, ("rates",))})
     found = calls.called(0, 0)
     assert (found.good, found.false.split(" ")[:2]) == (error is None, ["call:", false] if false else [""])
-    _, line = trials.lines_of_judged("s", "calls", "answered", "exceptions", [[found, Judged(True, "")]])
+    _, line = experiment.lines_of_judged("s", "calls", "answered", "exceptions", [[found, Judged(True, "")]])
     assert line.reached == bool(false)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from benchmarks.places.parts.surfaces import hollow, open_tube, solid
+from benchmarks.places.parts import hollow, open_tube, solid
 from sinuous import Box, Cylinder, Robot, Scene, Segment, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes import BRANCH, MOUTH, NO_TUBE, WALL, find_tubes, follow_tube

@@ -9,7 +9,7 @@ import pytest
 
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
-from benchmarks.judges.motions import wrong_in
+from benchmarks.judges.judge import wrong_in
 from sinuous.kernels.certificate.query import CLEARANCES
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.motion.planning import planners

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges.motions import wrong_in
+from benchmarks.judges.judge import wrong_in
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees

@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from benchmarks.places.parts.surfaces import hollow, open_tube, solid
+from benchmarks.places.parts import hollow, open_tube, solid
 from sinuous import Robot, Scene, Segment, Target
 from tests.helpers import Floats
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges.motions import wrong_in
+from benchmarks.judges.judge import wrong_in
 from sinuous.solver.options import SolveOptions
 from sinuous.studies.exploring.explorer import Explorer
 

@@ -1,1 +1,0 @@
-"""What places are made of: robots, hidden shapes, and closed surfaces."""

@@ -255,10 +255,12 @@ class Meeting(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Sampled places of the backbone, from the base to the tip.
+    """Sampled places of the backbone, from the base to the tip, in one or more configurations.
 
     Attributes
     ----------
+    shape : (int, int, int)
+        Configurations, segments, and places of each segment: m in all.
     points, tangents : ndarray (m, 3)
     along, turned : ndarray (m,)
         Length of the backbone up to there, and by how much (rad) it turns up to there.
@@ -272,6 +274,7 @@ class Places(NamedTuple):
         Which of the r rows of joints and links, the first ones, must not touch which row.
     """
 
+    shape: tuple[int, int, int]
     points: Floats
     tangents: Floats
     along: Floats
@@ -292,22 +295,24 @@ def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
 
 def nearest_pair(places: Places) -> Meeting:
     """Least gap over places of a body that concern each other; see `concerned`."""
-    points, radii, segments = np.ascontiguousarray(places.points.T), places.radii, places.segments
+    points, radii = np.ascontiguousarray(places.points.T), places.radii
     least = Meeting(math.inf, None)
     for low, one, other in _nearest_first(places):
         if low >= least.gap:
             break
         first, second = one[:, :, None], other[:, None, :]
-        across = points[:, first] - points[:, second]
-        gaps = np.sqrt((across * across).sum(axis=0)) - radii[first] - radii[second]
-        gaps[~concerned(places, first, second)] = math.inf
-        if gaps.min() < least.gap:
-            k, a, b = np.unravel_index(gaps.argmin(), gaps.shape)
-            near, far = int(one[k, a]), int(other[k, b])
-            own = int(segments[far])
-            share = float((far - np.searchsorted(segments, own)) / (np.count_nonzero(segments == own) - 1))
-            place = BodyPlace.of(places.points[far], own + 1, share)
-            least = Meeting(float(gaps.min()), (int(segments[near]) + 1, own + 1), place)
+        x, y, z = points[:, first] - points[:, second]
+        gaps = np.sqrt(x * x + y * y + z * z) - radii[first] - radii[second]
+        k, a, b = np.nonzero(gaps < least.gap)
+        near, far = one[k, a], other[k, b]
+        gaps = np.where(concerned(places, near, far), gaps[k, a, b], math.inf)
+        if gaps.min(initial=math.inf) < least.gap:
+            nearest = int(gaps.argmin())
+            pair = near[nearest], far[nearest]
+            own, other_own = (int(each) + 1 for each in places.segments[list(pair)])
+            share = float(pair[1] % places.shape[2]) / (places.shape[2] - 1)
+            place = BodyPlace.of(places.points[pair[1]], other_own, share)
+            least = Meeting(float(gaps[nearest]), (own, other_own), place)
     return least
 
 
@@ -344,22 +349,22 @@ def concerned(places: Places, first: Indices, second: Indices) -> NDArray[np.boo
 def backbone_places(robot: Robot, q: Floats, ends: Floats, count: int) -> Places:
     """Divide each segment of a body in configuration `q` (n, 3) into `count` pieces; `ends` as above."""
     poses = ends[:-1, None] @ arc_poses(q, count)
-    return places_of(robot, q, poses[..., :3, 3], poses[..., :3, 2])
+    return places_of(robot, q[None], poses[None, ..., :3, 3], poses[None, ..., :3, 2])
 
 
 def places_of(robot: Robot, q: Floats, points: Floats, tangents: Floats) -> Places:
-    """Describe evenly spaced places (n, k, 3) of every segment in configuration `q` (n, 3), and its tangents there."""
-    count = points.shape[1] - 1
-    fractions = np.linspace(0.0, 1.0, count + 1)
-    bends = np.hypot(q[:, 0], q[:, 1])
+    """Describe evenly spaced places (T, n, k, 3) of segments in configurations `q` (T, n, 3), and tangents there."""
+    shape = points.shape[:3]
+    fractions = np.linspace(0.0, 1.0, shape[2])
     along, turned = (
-        ((np.cumsum(amounts) - amounts)[:, None] + amounts[:, None] * fractions).ravel() for amounts in (q[:, 2], bends)
+        ((np.cumsum(amounts, axis=1) - amounts)[..., None] + amounts[..., None] * fractions).ravel()
+        for amounts in (q[..., 2], np.hypot(q[..., 0], q[..., 1]))
     )
-    segments = np.repeat(np.arange(len(q)), count + 1)
+    segments = np.broadcast_to(np.arange(shape[1])[:, None], shape).ravel()
     radii = np.array(robot.self_radii)
     runs = np.concatenate([[0], np.cumsum(np.diff(radii) != 0.0)])
     own = points.reshape(-1, 3), tangents.reshape(-1, 3)
-    return Places(*own, along, turned, segments, radii[segments], runs[segments], links_apart(robot))
+    return Places(shape, *own, along, turned, segments, radii[segments], runs[segments], links_apart(robot))
 
 
 def links_apart(robot: Robot) -> NDArray[np.bool_]:
@@ -381,21 +386,29 @@ def _nearest_first(places: Places) -> Iterator[tuple[float, Indices, Indices]]:
     The run that is nearer to the base comes first. Pairs of which no two places concern each other are left out.
     The bounds are those of balls about the runs.
     """
-    points, radii, last = places.points, places.radii, len(places.points) - 1
-    runs = np.minimum(np.arange(0, last + 1, RUN)[:, None] + np.arange(RUN), last)
+    points, radii, (shapes, *own) = places.points, places.radii, places.shape
+    count = math.prod(own)
+    begin = np.arange(0, count, RUN)
+    of_one = np.minimum(begin[:, None] + np.arange(RUN), count - 1)
+    runs = (count * np.arange(shapes)[:, None, None] + of_one).reshape(-1, RUN)
     centers = points[runs].mean(axis=1)
     reach = (np.linalg.norm(points[runs] - centers[:, None], axis=-1) + radii[runs]).max(axis=1)
     thinnest = radii[runs].min(axis=1)
-    one, other = np.triu_indices(len(runs))
+    pairs_of_one = np.array(np.triu_indices(len(begin)))
+    one, other = (len(begin) * np.arange(shapes)[:, None] + pairs_of_one[:, None]).reshape(2, -1)
     far = places.along[runs[other, -1]] - places.along[runs[one, 0]] >= math.pi * np.maximum(
         thinnest[one], thinnest[other]
     )
     turned = places.turned[runs[other, -1]] - places.turned[runs[one, 0]] >= 0.5 * math.pi
     stepped = places.runs[runs[other, -1]] != places.runs[runs[one, 0]]
-    may = np.flatnonzero(far | (turned & stepped) | (len(places.apart) > 0))
+    begun, ended = places.segments[runs[:, 0]], places.segments[runs[:, -1]] + 1
+    rigid = np.array([begun, ended]).clip(max=len(places.apart))[:, one]
+    apart = np.pad(places.apart, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+    low, high = (apart[rigid[1], each[other]] - apart[rigid[0], each[other]] for each in (begun, ended))
+    may = np.flatnonzero(((far | (turned & stepped)) & (ended[one] > len(places.apart))) | (high > low))
     one, other = one[may], other[may]
     low = np.linalg.norm(centers[one] - centers[other], axis=1) - reach[one] - reach[other]
-    order = np.argsort(low)
+    order = np.argsort(low, kind="stable")
     for k in range(0, len(order), PAIRS):
         pairs = order[k : k + PAIRS]
         yield float(low[pairs[0]]), runs[one[pairs]], runs[other[pairs]]

@@ -198,7 +198,7 @@ def least_meeting(robot: Robot, q: Floats) -> Meeting:
     least = Meeting(math.inf, None)
     every = next((step for step in THINNED if q.shape[1] * PLACES <= step * ENOUGH), THINNED[-1])
     for part in together(len(q), q.shape[1]) if robot.avoids_itself else ():
-        for one, points, tangents in zip(q[part], *backbones(robot, q[part], np.zeros(q[part].shape[:2])), strict=True):
-            places = places_of(robot, one, points[:, ::every], tangents[:, ::every])
-            least = min(least, nearest_pair(places), key=lambda each: each.gap)
+        points, tangents = backbones(robot, q[part], np.zeros(q[part].shape[:2]))
+        places = places_of(robot, q[part], points[:, :, ::every], tangents[:, :, ::every])
+        least = min(least, nearest_pair(places), key=lambda each: each.gap)
     return least

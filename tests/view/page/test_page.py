@@ -3,7 +3,6 @@
 import itertools
 import re
 import threading
-import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -37,10 +36,10 @@ DRIVEN = sn.Job(
 
 
 @pytest.fixture(autouse=True)
-def every_motion_is_played_in_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+def every_motion_is_played_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawn by software: each picture takes tens of milliseconds of processor time."""
-    monkeypatch.setattr(model, "LONGEST_SECONDS", 1.0)
-    monkeypatch.setattr(model, "PLAYED_SECONDS", 1.0)
+    monkeypatch.setattr(model, "LONGEST_SECONDS", 0.3)
+    monkeypatch.setattr(model, "PLAYED_SECONDS", 0.3)
 
 
 @pytest.fixture(scope="module")
@@ -127,13 +126,10 @@ def still(page: Page, tab: Any) -> None:
         camera = camera_of(page)
         return (*camera.position, *camera.look_at, *camera.up_direction)
 
-    seen: list[tuple[float, ...]] = []
-
     def rests() -> bool:
-        frames(tab, 6)
-        time.sleep(0.3)
-        seen.append(pose())
-        return len(seen) > 2 and seen[-1] == seen[-2] == seen[-3]
+        before = pose()
+        frames(tab, 3)
+        return pose() == before
 
     until(rests, "a camera at rest")
 
@@ -143,6 +139,13 @@ def pull(page: Page, tab: Any, gizmo: Callable[[], Any], place: Callable[[], Flo
     begin, camera, arrows = place(), camera_of(page), itertools.cycle(range(3))
     position, look_at = camera.position, camera.look_at
 
+    def let_go() -> bool:
+        """Whether all that the browser told of a drag has arrived."""
+        before = place()
+        frames(tab, 2)
+        settled(page)
+        return np.array_equal(place(), before)
+
     def pulled() -> bool:
         still(page, tab)
         axis = rotation_of(np.array(gizmo().wxyz))[:, next(arrows)]
@@ -150,7 +153,7 @@ def pull(page: Page, tab: Any, gizmo: Callable[[], Any], place: Callable[[], Flo
         if np.linalg.norm(ends[1] - ends[0]) < 10.0:  # seen from its end
             return False
         drag(tab, ends[0], ends[1])
-        still(page, tab)
+        until(let_go, "a gizmo that is let go")
         if np.linalg.norm(place() - begin) > 0.05:
             return True
         camera_of(page).position, camera_of(page).look_at = position, look_at

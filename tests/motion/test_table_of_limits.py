@@ -21,10 +21,10 @@ SLACK = 1e-9
 WISHED = 1e-3
 """By how much accelerations of control steps may be exceeded: they are wishes, of a variance."""
 
-MOST = 6
+MOST = 4
 """Steps of a way that are judged, about."""
 
-LOOKS = np.linspace(0.0, 1.0, 5)
+LOOKS = np.linspace(0.0, 1.0, 3)
 START = np.array([[0.1, 0.05, 0.1], [0.05, -0.1, 0.1]])
 FAR = np.array([[1.3, 0.4, 0.13], [1.1, 0.3, 0.07]])
 RATES = sn.Rates(bend=1.0, length=0.02)

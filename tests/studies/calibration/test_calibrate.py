@@ -130,10 +130,10 @@ def test_a_pose_turns_a_robot_under_gravity() -> None:
 
 def test_an_elastic_robot_is_found_from_its_tips() -> None:
     real = real_robot()
-    values = settings(real, 60)
+    values = settings(real, 40)
     found = sn.studies.calibrate(DRAWN, values, measured(real, values, 0.1))
     assert found.robot.drive.elastic is not None
-    assert tip_errors(found, real, settings(real, 100, seed=9)).mean() < 0.3
+    assert tip_errors(found, real, settings(real, 40, seed=9)).mean() < 0.3
     assert found.fitted.mean < 0.3
     np.testing.assert_allclose(found.robot.base, POSE, atol=0.5)
     assert "elastic tendons" in found.explain()
@@ -268,8 +268,8 @@ def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
 def test_play_is_told_and_fitted() -> None:
     """Tips follow motors late where these turn round: simulated by holding each motor's last direction."""
     random = np.random.default_rng(4)
-    ends = settings(DRAWN, 16)
-    pulls = np.concatenate([np.linspace(a, b, 8, endpoint=False) for a, b in itertools.pairwise(ends)])
+    ends = settings(DRAWN, 12)
+    pulls = np.concatenate([np.linspace(a, b, 6, endpoint=False) for a, b in itertools.pairwise(ends)])
     play, followed, now = 0.4, np.empty_like(pulls), pulls[0].copy()
     for i, row in enumerate(pulls):
         back, forth = row - now > 0.5 * play, now - row > 0.5 * play
@@ -314,7 +314,7 @@ def test_what_rows_do_not_determine_is_named() -> None:
 def test_settings_are_suggested_that_hold_the_load() -> None:
     heavy = HANGING.changed(payload=sn.Payload(1e8))  # of less, all is found at rest
     assert not holds(heavy, settings(heavy, 50)).all()
-    assert holds(heavy, sn.studies.suggest(heavy, 10, fit=["payload"])).all()
+    assert holds(heavy, sn.studies.suggest(heavy, 3, fit=["payload"])).all()
 
 
 def test_bad_measurements_are_refused() -> None:

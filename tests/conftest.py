@@ -120,11 +120,12 @@ FIRST = (
     "methods/fabrik/test_reaching.py",
     "methods/test_monte_carlo.py",
     "methods/fabrik/test_reaching_avoiding.py",
-    "solver/test_options.py",  # preferences
+    "benchmarks/test_experiments.py",  # motions and control loops, while the first still compiles routes
+    "benchmarks/test_wild.py",  # loads
+    "solver/test_options.py",  # preferences, and routes again
     "solver/test_live.py",
     "view/page/test_page.py",  # waits for a browser
-    "benchmarks/test_experiments.py",  # takes long
-    "benchmarks/places/test_places.py",
+    "benchmarks/places/test_places.py",  # takes long
     "studies/batch/test_deaths.py",
     "test_cookbook.py",
     "answer/derivatives/test_derivative.py",

@@ -127,6 +127,9 @@ def test_capsules_contain_the_shapes_of_links(six: Path) -> None:
     pose = sn.Robot(joints=scaled).tip(None, [0.3, -0.4, 200.0])
     own = sn.Robot(joints=[sn.read_joints(six, "tool0")[0], j1, j2, j3, sn.read_joints(six, "tool0")[-1]])
     np.testing.assert_allclose(pose[:3, 3], 1000 * own.tip(None, [0.3, -0.4, 0.2])[:3, 3])
+    slow = changed(six, 'upper=".5" effort="1" velocity="0"', 'upper=".5" effort="1" velocity="0.02"')
+    _, _, turning, sliding, _ = sn.read_joints(slow, "tool0", scale=1000)
+    assert (turning.limits, turning.rate, sliding.limits, sliding.rate) == ((-2, 1), 3, (-100, 500), 20)
 
 
 @with_each("size", [(1, 1, 1), (1, 1, 8), (4, 4, 1), (10, 1, 0.1), (1, 0, 3), (2, 0, 0), (0, 0, 0)])

@@ -129,6 +129,16 @@ def test_limits_and_rates_are_never_exceeded(seed: int) -> None:
     assert seen & {"bend", "length", "actuator", "curvature"}
 
 
+@pytest.mark.parametrize(("outward", "held"), [(1.0, "actuator"), (-1.0, "actuator_rate")])
+def test_an_actuator_is_held_by_its_limit_on_one_side_and_by_its_rate_on_the_other(outward: float, held: str) -> None:
+    """From a shape in which one tendon of two is at its highest value, and the other at its lowest."""
+    robot = sn.Robot([sn.Segment((50, 60), 2.0, tendons=sn.Tendons(2, 5.0, displacement=(-3, 3)))])
+    q = np.array([[0.6, 0.0, 55.0]])
+    asked = robot.jacobian(q) @ [5.0 * outward, 0.0, 0.0]
+    step = sn.Solver(robot).step(q, asked, 0.01, rates=sn.Rates(bend=100.0, length=100.0, actuator=4.0))
+    assert {(each.constraint, each.actuator) for each in step.active} == {(held, "s1.t1"), (held, "s1.t2")}
+
+
 @with_each("seed", range(5))
 def test_mirrored_questions_have_mirrored_answers(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -11,10 +11,11 @@ import sinuous as sn
 from sinuous.kernels.body import proof
 from sinuous.kernels.body.contacts import PER_SEGMENT, ContactSearch, PosedBody
 from sinuous.kernels.body.contacts import contacts as kernel_contacts
-from sinuous.kernels.body.pieces import Scratch
+from sinuous.kernels.body.pieces import Scratch, near
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.rows import INNER
 from sinuous.kernels.fields.solids import EXACT
+from sinuous.kernels.tables import ROUNDOFF
 from sinuous.scene.obstacles import Obstacle
 from tests.helpers import (
     Floats,
@@ -69,6 +70,18 @@ def sampled(q: Floats, scene: sn.Scene, mount: float = 0.0) -> tuple[float, floa
             spacing = max(spacing, length / SAMPLES)
         reach += length
     return least, spacing
+
+
+def test_those_that_may_be_near_are_listed_and_the_others_are_no_nearer_than_their_bound() -> None:
+    """Distances as uncertain as rounding makes them, which here is much."""
+    obstacles = [sn.Sphere((x, 0.0, 0.0), 0.5) for x in (5.0, 1.0, 3.0, 2.0)]
+    scene = kernel_scene(sn.Scene(obstacles))
+    scene.table[:, ROUNDOFF] = [0.1, 0.1, 0.3, 0.1]
+    among = np.zeros(len(obstacles), np.int64)
+    for reach, listed, rest in ((1.5, [1, 3], 2.2), (1.4, [1], 1.4), (0.4, [], 0.4), (9.0, [0, 1, 2, 3], math.inf)):
+        count, others = near(scene, (0.0, 0.0, 0.0), reach, among)
+        assert among[:count].tolist() == listed
+        assert others == pytest.approx(rest)
 
 
 def prove(

@@ -133,8 +133,7 @@ class Follow(_Several):
                 solver.robot, self.targets, solver.scene, start=self.start, reconfigure="allow", **vars(solver.options)
             )
         share = sum(solution.solved for solution in motion.solutions) / len(self.targets)
-        duration = float(motion.times[-1] - motion.times[0]) if len(motion.times) > 1 else 0.0
-        return _done(motion, share, duration, binds_of(motion.solutions), motion.configuration)
+        return _done(motion, share, motion.duration, binds_of(motion.solutions), motion.configuration)
 
 
 class Cover(_Several):
@@ -201,7 +200,7 @@ class Move(Frozen):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
             motion = plan(solver.robot, start, list(self.goal), solver.scene, **vars(solver.options))
-        duration = float(motion.times[-1] - motion.times[0]) if motion.solved else None
+        duration = motion.duration if motion.solved else None
         worst = None if motion.worst is None else motion.worst.obstacle or motion.worst.constraint
         return _done(motion, float(motion.solved), duration, binds_of(motion.solutions) or worst, motion.configuration)
 

@@ -32,7 +32,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.loaded_control_step import LoadedControlStep
 from sinuous.solver.loaded_solve import unsolved_start
 from sinuous.solver.options import SolveOptions
-from sinuous.solver.step_query import RateLimits, StepQuery
+from sinuous.solver.step_query import STILL, RateLimits, StepQuery
 from sinuous.statics.rest import pulls_at
 
 ROUNDS = 30
@@ -40,9 +40,6 @@ ROUNDS = 30
 
 TIGHTENED, TIGHTER = 6, 1.5
 """How often bounds of tensions are made tighter where a step has left them, and by how many times as much."""
-
-STILL: tuple[float, ...] = (0.0,) * 6
-"""No twist."""
 
 SIZES = 3, 6
 """Numbers of a velocity, and of a twist."""

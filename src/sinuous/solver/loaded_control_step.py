@@ -5,12 +5,12 @@ from the body without load, as `Robot.shape` finds it, so an answer does not dep
 """
 
 import math
+import threading
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.base.progress import LOOK
 from sinuous.kernels import packing
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES as OF_PROOF
@@ -21,7 +21,7 @@ from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import loaded as kernel
 from sinuous.kernels.velocity import query as t
 from sinuous.measures.body import nearest_meeting, segment_ends
-from sinuous.model.robot import Robot, robot_group
+from sinuous.model.robot import Robot
 from sinuous.problem.problem import settings_group
 from sinuous.problem.target import Tolerance
 from sinuous.scene.snapshot import Snapshot
@@ -46,8 +46,15 @@ CREEPS = 0.1, 0.01
 """Shares of a way that are tried where a first sixty-fourth of it cannot be proved: shorter ones bend less."""
 
 
+_SCRATCH = threading.local()
+"""The workspace of a thread, whoever needs it."""
+
+
 class KnownShape(NamedTuple):
-    """A body at rest: its drive (n, 3), at what lengths lines are held (t,), states (N, 4) and tensions (t,)."""
+    """A body at rest: its drive (n, 3), at what lengths lines are held (t,), states (N, 4) and tensions (t,).
+
+    States are NaN where it is to be found.
+    """
 
     q: Floats
     held: Floats
@@ -64,6 +71,8 @@ class LoadedControlStep:
     scene : Snapshot
     tolerance : Tolerance
         With numbers, within which several steps end.
+    avoids_itself : bool
+        Whether the body must not run through itself, where the robot asks for that.
 
     Attributes
     ----------
@@ -71,11 +80,14 @@ class LoadedControlStep:
         The lines under load, as active constraints number them after the actuators that have a limit or a rate.
     """
 
-    def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
+    def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance, avoids_itself: bool = True) -> None:
         own = body_of(robot)
         self._robot, self.scene, self._own = robot, scene, own
-        group = packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
-        self._groups = group, robot_group(longest_body(robot)), scene._kernel_group, settings_group(robot, tolerance)
+        own_group, arcs = (
+            packing.robot_parts(each._group)._replace(avoids_itself=float(avoids_itself and each.avoids_itself)).group()
+            for each in (robot, longest_body(robot))
+        )
+        self._groups = own_group, arcs, scene._kernel_group, settings_group(robot, tolerance)
         self._stretches = stretches_allowed(robot)
         self._limited = bool(np.isfinite(self._stretches).any())
         self._tables = own.sections, self._stretches, own.carried, own.line_table.copy(), own.slopes
@@ -91,11 +103,11 @@ class LoadedControlStep:
     ) -> Floats:
         """Return the answer of a step (see `kernels.velocity.query`), with room for so many constraints."""
         answer = np.zeros(t.CONFIGURATION + start.size + t.ACTIVE_WIDTH * room)
-        self._work = asked.seconds / LOOK
         begin = self._known(start)
         if begin is None:
             return self._stay(answer, start)
-        q, tip = self._advance(answer, asked, begin, limits, dt, velocity)
+        own = begin._replace(states=begin.states.copy(), tensions=begin.tensions.copy())
+        q, tip = self.advance(answer, asked, own, self.follow(start), limits, dt, velocity)
         q = self._prove(answer, asked, begin, q)
         answer[t.REACHED : t.REACHED + 6] = tip @ (q - start).ravel()
         answer[t.CONFIGURATION : t.CONFIGURATION + q.size] = q.ravel()
@@ -126,20 +138,35 @@ class LoadedControlStep:
         """Scratch that is kept: memory that is new takes longer than the arithmetic."""
         sizes = len(self._robot), len(self._own.owners), len(self.scene), len(asked.targets), actuators
         if sizes != self._sizes:
-            self._sizes = sizes
-            self._space = np.empty(kernel.loaded_size(*sizes, len(self._own.line_table), self._own.slopes))
+            size = kernel.loaded_size(*sizes, len(self._own.line_table), self._own.slopes)
+            if len(getattr(_SCRATCH, "space", ())) < size:
+                _SCRATCH.space = np.empty(size)
+            self._sizes, self._space = sizes, _SCRATCH.space
         return self._space
 
-    def _advance(
+    def follow(self, q: Floats) -> Floats:
+        """How lengths of lines follow the drive near `q` (n, 3); see `lines_that_follow`."""
+        return lines_that_follow(self._robot, q) if self._follow is None else self._follow
+
+    def unknown(self, q: Floats) -> KnownShape:
+        """A body that is to be found at a drive (n, 3)."""
+        lines = np.zeros(len(self._own.line_table))
+        return KnownShape(q, lines, np.full((len(self._own.owners), s.STATE_WIDTH), np.nan), lines)
+
+    def advance(
         self,
         answer: Floats,
         asked: StepQuery,
         begin: KnownShape,
+        follow: Floats,
         limits: RateLimits,
         dt: float,
         velocity: Floats | None,
     ) -> tuple[Floats, Floats]:
-        """Where it goes (n, 3), and how the tool turns and moves with the drive (6, 3 n)."""
+        """Where it goes (n, 3), and how the tool turns and moves with the drive (6, 3 n); nothing of it is proved.
+
+        States and tensions of `begin` become those of the body there, where several steps are asked for.
+        """
         robot, arcs, scene, settings = self._groups
         if self._asked[:2] != (limits, dt):
             self._asked = limits, dt, np.empty(a.HEADER + limits.segments.size + limits.actuators.size)
@@ -148,7 +175,6 @@ class LoadedControlStep:
         group[: a.HEADER] = asked.kind, *asked.motion, asked.rounds, asked.wish, asked.seconds, count, 0, 0
         if velocity is not None:
             limits.write_before(group[a.HEADER :], dt, velocity)
-        follow = lines_that_follow(self._robot, begin.q) if self._follow is None else self._follow
         tip, at = np.zeros((6, begin.q.size)), (begin.q, begin.states, begin.tensions)
         groups, space = (robot, arcs, scene, settings, asked.targets, group), self._workspace(asked, count)
         self._work = kernel.loaded_step(*groups, *self._tables, follow, *at, space, tip, answer)

@@ -1,11 +1,13 @@
 """Inverse kinematics of a robot that gives way to its weight and payload: the drive for which the loaded body is right.
 
-A start is solved as if nothing pulled. Then its drive is corrected by Newton's method, whose every round has the body
-in equilibrium, see `sinuous.kernels.solve.loaded`. What is proved is the loaded body, all arcs of it.
+A start is solved as if nothing pulled. Then its drive is corrected by control steps towards the targets, each with the
+body in equilibrium, see `sinuous.kernels.velocity.loaded`. What is proved is the loaded body, all arcs of it.
 """
 
 import math
+import threading
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,13 +16,21 @@ from sinuous.base.checks import Floats
 from sinuous.base.progress import work_time
 from sinuous.kernels import packing
 from sinuous.kernels import tables as k
+from sinuous.kernels.clock import LONGEST
 from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
+from sinuous.kernels.velocity import layout as a
+from sinuous.kernels.velocity import query as t
+from sinuous.kernels.velocity.layout import MEET_TARGETS
 from sinuous.model.limits import LIMIT_ROUNDING
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Tolerance
+from sinuous.scene.scene import Scene
+from sinuous.solver.loaded_control_step import LoadedControlStep
+from sinuous.solver.step_query import STILL, RateLimits, StepQuery
 from sinuous.statics.body import body_of, rolled
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, lines_that_follow, stretches_allowed
+from sinuous.statics.rest import Rest
 
 PIECES = 8
 """Most times that stretches are made linear anew."""
@@ -28,8 +38,18 @@ PIECES = 8
 ALIKE = 1e-6
 """Largest difference of bends (rad) and lengths of two bodies that are the same."""
 
+MOST_ROUNDS = 25
+"""Corrections from one start."""
+
+TOLERANCE_SHARE = 0.2
+"""Share of the tolerances within which corrections end."""
+
 STARTS = 1000
 """Most starts that are corrected."""
+
+
+NO_OBSTACLES = Scene([]).snapshot()
+"""What is corrected is the drive alone; the body is proved clear when it meets the targets."""
 
 
 class LoadedBody:
@@ -81,55 +101,61 @@ class LoadedBody:
         return outcome
 
 
+class Correction(NamedTuple):
+    """What a correction came to: the body at rest, `None` where there is none, largest errors, and how many rounds."""
+
+    shape: Rest | None
+    position_error: float
+    angle_error: float
+    rounds: int
+
+
 class LoadCorrection:
-    """Corrects drives of a robot under load.
+    """Corrects drives of a robot under load, by control steps towards the targets, without rates and obstacles.
 
     Parameters
     ----------
     robot : Robot
+    tolerance : Tolerance
+        With numbers.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot, self._body_of = robot, body_of(robot)
-        self._group = packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
-        limits = robot.drive.limits
-        limited = np.isfinite(limits).any(axis=1)
-        self._bounds = np.concatenate([robot.drive.jacobian, limits], axis=1)[limited]
-        self._stretches = stretches_allowed(robot)
+    def __init__(self, robot: Robot, tolerance: Tolerance) -> None:
+        self._robot, self._limits = robot, RateLimits(robot, None, tensions=False)
+        assert tolerance.position is not None
+        self._tolerance = Tolerance(TOLERANCE_SHARE * tolerance.position, TOLERANCE_SHARE * tolerance.angle)
+        self._local = threading.local()
         self._body: LoadedBody | None = None
 
-    def correct(self, q: Floats, problem: Problem) -> tuple[Rest | None, Floats]:
-        """Correct a drive until the loaded body meets targets; the shape, and the record of `kernels.solve.loaded`."""
-        from sinuous.kernels.solve.loaded import ANGLE, CORRECTION_WIDTH, OFF, ROUNDS, STABLE, correct, correction_size  # noqa: PLC0415
-
-        robot, own = self._robot, self._body_of
-        settings, q, record = (
-            settings_group(robot, problem.tolerance),
-            np.array(q, order="C"),
-            np.zeros(CORRECTION_WIDTH),
-        )
-        states, lines = np.empty((len(own.owners), 4)), own.line_table.copy()
-        tensions, targets = np.zeros(len(lines)), problem._rows
-        buffer = np.empty(correction_size(len(q), len(states), len(lines), own.slopes, len(targets), len(self._bounds)))
-        follow, rounds = lines_that_follow(robot, q), 0.0
+    def correct(self, q: Floats, problem: Problem) -> Correction:
+        """Correct a drive until the loaded body meets targets."""
+        robot, step = self._robot, self._step()
+        asked = StepQuery(MEET_TARGETS, STILL, problem._rows, MOST_ROUNDS, 0.0, LONGEST)
+        answer, rounds = np.zeros(t.CONFIGURATION + q.size + t.ACTIVE_WIDTH * a.most_constraints(len(q))), 0
+        at, follow = step.unknown(np.array(q, order="C")), step.follow(q)
         for _ in range(PIECES):
-            of_robot = own.sections, follow, self._bounds, self._stretches
-            tables = own.carried, lines, own.slopes
-            correct(self._group, settings, targets, *of_robot, *tables, q, states, tensions, buffer, record)
-            rounds += record[ROUNDS]
-            if record[STABLE] == 0.0:
-                return None, record
-            before, follow = follow, lines_that_follow(robot, q)
-            apart = (follow - before) @ np.append(q, 1.0)
-            if not len(apart) or np.abs(apart).max() <= LIMIT_ROUNDING * robot.mean_length:
+            at = at._replace(q=step.advance(answer, asked, at, follow, self._limits, 1.0, None)[0])
+            rounds += int(answer[t.ROUNDS])
+            if math.isinf(answer[t.POSITION_ERROR]):
+                return Correction(None, math.inf, math.inf, rounds)
+            before, follow = follow, step.follow(at.q)
+            apart = (follow - before) @ np.append(at.q, 1.0)
+            if before is follow or np.abs(apart).max(initial=0.0) <= LIMIT_ROUNDING * robot.mean_length:
                 break
-        record[ROUNDS], shape = rounds, Rest(robot, q)
+        shape, errors = Rest(robot, at.q), (float(answer[t.POSITION_ERROR]), float(answer[t.ANGLE_ERROR]))
         if shape.states is None:
-            return None, record
-        if np.abs(shape.states - states).max() > ALIKE:  # corrections have led to another equilibrium of this drive
-            left = residual_under_load(problem, q)
-            record[OFF], record[ANGLE] = left.position_error, left.angle_error
-        return shape, record
+            return Correction(None, math.inf, math.inf, rounds)
+        if np.abs(shape.states - at.states).max() > ALIKE:  # corrections have led to another equilibrium of this drive
+            left = residual_under_load(problem, at.q)
+            errors = left.position_error, left.angle_error
+        return Correction(shape, *errors, rounds)
+
+    def _step(self) -> LoadedControlStep:
+        """What makes the steps of this thread."""
+        kept: LoadedControlStep | None = getattr(self._local, "step", None)
+        if kept is None:
+            kept = self._local.step = LoadedControlStep(self._robot, NO_OBSTACLES, self._tolerance, False)
+        return kept
 
     def judge(self, shape: Rest, problem: Problem, seconds: float) -> Outcome:
         """Prove the loaded body, and look at the limits of actuators; the outcome has the drive as its `q`."""
@@ -172,15 +198,13 @@ def correct_starts(
 
 def correct_start(own: LoadCorrection, problem: Problem, start: Outcome, seconds: float) -> Outcome:
     """Correct one start, and say what it comes to."""
-    from sinuous.kernels.solve.loaded import ANGLE, OFF, ROUNDS  # noqa: PLC0415
-
-    shape, record = own.correct(start.q, problem)
-    if shape is None:
+    corrected = own.correct(start.q, problem)
+    if corrected.shape is None:
         found = unsolved_start(start.q)
     else:
-        found = own.judge(shape, problem, seconds)
-        found = found._replace(position_error=float(record[OFF]), angle_error=float(record[ANGLE]))
-    iterations = start.iterations + int(record[ROUNDS])
+        found = own.judge(corrected.shape, problem, seconds)
+        found = found._replace(position_error=corrected.position_error, angle_error=corrected.angle_error)
+    iterations = start.iterations + corrected.rounds
     return found._replace(source=start.source, route=start.route, iterations=iterations, starts=1)
 
 

@@ -127,7 +127,7 @@ class Solver:
         self.method = name_of(chosen.method)
         self._load: LoadCorrection | None = None
         if robot.has_external_load:
-            self._load = LoadCorrection(robot)
+            self._load = LoadCorrection(robot, self.tolerance)
             self._free = self._of_checked(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return

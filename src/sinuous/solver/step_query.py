@@ -7,9 +7,12 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.velocity import layout as a
-from sinuous.model.rates import Changes, Rates
+from sinuous.model.rates import Changes, Rates, Spread
 from sinuous.model.robot import Robot
 from sinuous.model.tension_rows import TensionRows
+
+STILL: tuple[float, ...] = (0.0,) * 6
+"""No twist."""
 
 FAR = 1e6
 """A change of a row of tensions that no tick makes, in the length unit."""
@@ -21,7 +24,10 @@ class RateLimits:
     Parameters
     ----------
     robot : Robot
-    most : Rates or Changes
+    most : Rates or Changes or None
+        `None`: nothing limits how far anything moves.
+    tensions : bool
+        Whether limits of tensions without load count.
 
     Attributes
     ----------
@@ -36,15 +42,16 @@ class RateLimits:
         What makes the last rows; `None` where no tension is limited.
     """
 
-    def __init__(self, robot: Robot, most: Rates | Changes) -> None:
+    def __init__(self, robot: Robot, most: Rates | Changes | None, tensions: bool = True) -> None:
         self.most = most
-        n, own = len(robot), most.spread(robot)
+        n, limits = len(robot), robot.drive.limits
+        unlimited = Spread(np.full(n, np.inf), np.full(n, np.inf), np.full(len(limits), np.inf))
+        own = unlimited if most is None else most.spread(robot)
         further = most.further(robot) if isinstance(most, Rates) else None
-        turns = further or Changes().spread(robot)
+        turns = further or unlimited
         self.segments = np.zeros((n, a.STEP_RATES_WIDTH))
         self.segments[:, a.BEND_CHANGE], self.segments[:, a.LENGTH_CHANGE] = own.bend, own.length
         self.segments[:, a.BEND_SECOND], self.segments[:, a.LENGTH_SECOND] = turns.bend, turns.length
-        limits = robot.drive.limits
         changes, seconds = (robot.drive.motors.within(each.actuator) for each in (own, turns))
         listed = np.isfinite(limits).any(axis=1) | np.isfinite(changes) | np.isfinite(seconds)
         self.limited = tuple(robot.actuators[i] for i in np.flatnonzero(listed))
@@ -52,7 +59,7 @@ class RateLimits:
         self.actuators[:, 3 * n + a.LARGEST_CHANGE] = changes[listed]
         self.actuators[:, 3 * n + a.SECOND_DIFFERENCE] = seconds[listed]
         self.accelerates = further is not None
-        self.tensions = robot.limit_set.tension_rows
+        self.tensions = robot.limit_set.tension_rows if tensions else None
         if self.tensions is not None:
             if not self.tensions.decoupled:
                 problem = "elastic lines end at a segment that they cannot bend, and have limits"

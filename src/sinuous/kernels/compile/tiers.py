@@ -146,7 +146,6 @@ PIECES = (
             "kernels.statics.drive.lay_out",
             "kernels.statics.drive.differentiate",
             "kernels.statics.answers.answer",
-            "kernels.solve.loaded.correct",
         ),
     ),
     Piece("control loops", 15, ("kernels.velocity.query.control_step",), most=0),

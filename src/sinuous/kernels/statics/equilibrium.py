@@ -64,6 +64,11 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Workspa
         _leave(x, tensions, body, space, trial, record)
 
 
+def is_stable(record: Array) -> bool:
+    """Whether an equilibrium was found, and is stable."""
+    return bool(record[LOAD_FACTOR] >= 1.0 and record[UNSTABLE] == 0.0)
+
+
 def follow(x: Array, tensions: Array, body: Body, most: int, space: Workspace, record: Array) -> None:
     """Go from a state that is near an equilibrium to it, in so many steps at most or not at all."""
     find_taut(body.lines, tensions, space)

@@ -32,7 +32,8 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.drive import answer_drive, fill
 from sinuous.kernels.statics.ends import foretell, put_ends, see_ends
-from sinuous.kernels.statics.equilibrium import LOAD_FACTOR, UNSTABLE, follow
+from sinuous.kernels.statics.equilibrium import follow, is_stable
+from sinuous.kernels.statics.newton import evaluate_state, find_taut
 from sinuous.kernels.statics.sweeps import stiffness_of
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.actuation import NO_SUMS
@@ -46,6 +47,9 @@ from sinuous.kernels.velocity.layout import Control
 
 MOST_STEPS = 12
 """Newton steps from what is foretold to an equilibrium."""
+
+EXCESS_ROUNDING = 5e-12
+"""Excess of a stretch over its limits that is rounding, in mean lengths of the robot."""
 
 TENSION_INSET = 1e-3
 """How far below the greatest stretch of a line a step aims, as a share of it: room for a proof of the way there."""
@@ -68,7 +72,7 @@ of arcs, `tip` (6, 3 n) of rotation and place of the tool, `seen` (r, 3 n) of ro
 def move_body(limits: Array, control: Control, resting: RestingBody | None) -> bool:
     """Put the body where its drive `control.q` takes it: frames of ends of segments; say whether it is at rest there.
 
-    Of a rigid one also `columns`; of another all derivatives. `limits` (n, 35): rows of its segments.
+    Of a rigid one also `columns`. `limits` (n, 35): rows of its segments.
     """
     if resting is None:
         forward_with_columns(limits, control.q, control.frames, control.columns)
@@ -77,28 +81,39 @@ def move_body(limits: Array, control: Control, resting: RestingBody | None) -> b
 
 
 def _rest_at(control: Control, own: RestingBody) -> bool:
-    if not find_near(own, control.q):
+    fill(own.sections, own.of_lines, control.q, own.body.arcs, own.body.lines, own.unloaded)
+    if _is_at(own, control.q):
+        if not is_stable(own.record):  # of the last search, which ended elsewhere
+            find_taut(own.body.lines, own.tensions, own.space)
+            evaluate_state(own.x, own.tensions, own.body, 1.0, own.space)
+    elif not _find_near(own, control.q):
         return False
-    copy(control.q, own.at)
-    copy(own.trial_x, own.x)
-    for i in range(own.tensions.shape[0]):
-        own.tensions[i] = own.trial_tensions[i]
-    answer_drive(own.sections, own.of_lines, control.q, own.x, own.body, own.space, own.columns, own.pulls)
     put_ends(own.sections, own.space.frames, control.frames)
-    unroll(own.x, own.arcs.q)
-    _derive_arcs(own)
     spend(control.sweep.clock, t.ARC_WORK * own.x.shape[0])
-    forward_with_columns(own.problem.limits, own.arcs.q, own.arcs.frames, own.arcs.columns)
     return True
 
 
-def find_near(own: RestingBody, q: Array) -> bool:
-    """Fill the state that is tried with the equilibrium at a drive `q` (n, 3), from the one that is foretold."""
-    fill(own.sections, own.of_lines, q, own.body.arcs, own.body.lines, own.unloaded)
+def _is_at(own: RestingBody, q: Array) -> bool:
+    """Whether the body is at rest at a drive (n, 3) already."""
+    for s in range(q.shape[0]):
+        for j in range(3):
+            if own.at[s, j] != q[s, j]:
+                return False
+    return True
+
+
+def _find_near(own: RestingBody, q: Array) -> bool:
+    """Bring the body to rest at a drive `q` (n, 3), whose arcs are there, from the state that is foretold."""
     foretell((own.at, own.x, own.tensions), (own.columns, own.pulls), q, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, own.unloaded, own.trial_x)
     follow(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
-    return bool(own.record[LOAD_FACTOR] >= 1.0 and own.record[UNSTABLE] == 0.0)
+    found = is_stable(own.record)
+    if found:
+        copy(q, own.at)
+        copy(own.trial_x, own.x)
+        for i in range(own.tensions.shape[0]):
+            own.tensions[i] = own.trial_tensions[i]
+    return found
 
 
 def hold_rigid(arcs: Array, unloaded: Array, x: Array) -> None:
@@ -132,9 +147,36 @@ def _derive_arcs(own: RestingBody) -> None:
             turn, rolled = turn + own.x[k, t.TWIST], rolled + column[t.TWIST]
 
 
-def see_rows(problem: Problem, control: Control, resting: RestingBody | None) -> None:
-    """Fill what rows at ends of segments see of a body in equilibrium; sweeps find that of a rigid one themselves."""
+def excess_of(problem: Problem, resting: RestingBody | None) -> float:
+    """By how much lines are stretched beyond their limits, at most, in mean lengths of the robot; 0 for rounding."""
+    worst = 0.0
     if resting is not None:
+        for i in range(resting.tensions.shape[0]):
+            stretch = resting.body.lines[i, t.COMPLIANCE] * resting.tensions[i]
+            worst = max(worst, resting.stretches[i, 0] - stretch, stretch - resting.stretches[i, 1])
+    return worst / problem.unit if worst > EXCESS_ROUNDING * problem.unit else 0.0
+
+
+def derive_body(problem: Problem, control: Control, resting: RestingBody | None, arcs: bool) -> None:
+    """Fill all derivatives of a body in equilibrium, where it was just moved; those of a rigid one are there.
+
+    Those of arcs only where they are asked for: contacts and travels see them.
+    """
+    if resting is not None:
+        answer_drive(
+            resting.sections,
+            resting.of_lines,
+            control.q,
+            resting.x,
+            resting.body,
+            resting.space,
+            resting.columns,
+            resting.pulls,
+        )
+        if arcs:
+            unroll(resting.x, resting.arcs.q)
+            _derive_arcs(resting)
+            forward_with_columns(resting.problem.limits, resting.arcs.q, resting.arcs.frames, resting.arcs.columns)
         _see(problem, control, resting)
 
 

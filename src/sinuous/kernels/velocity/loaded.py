@@ -37,7 +37,7 @@ from sinuous.kernels.statics.departure import (
 )
 from sinuous.kernels.statics.drive import fill
 from sinuous.kernels.statics.ends import put_ends
-from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, LOAD_FACTOR, UNSTABLE, follow, settle
+from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, LOAD_FACTOR, follow, is_stable, settle
 from sinuous.kernels.statics.newton import Body, carve, workspace_size
 from sinuous.kernels.step.newton import FINEST_PROOF, add_targets
 from sinuous.kernels.step.states import State
@@ -209,9 +209,11 @@ def loaded_step(
 
     As `query.control_step`; beside the group of the robot there is that of its body of `arcs`. `sections` to `slopes`
     see `Tables`, `of_lines` (t, 3 n + 1) `statics.drive.lay_out`; states `x` (N, 4) and `tensions` (t,) are those of
-    the start. `workspace`: see `loaded_size`. Fills `tip` (6, 3 n), how the tool turns and moves with the drive, and of
-    `answer` how many steps there were, where it goes, and active constraints. It ends after work that is worth the
-    seconds that are asked for, and returns the work units that are left: an answer does not depend on the machine.
+    the start, NaN where they are not known, and become those where the last step but one led. `workspace`: see
+    `loaded_size`. Fills `tip` (6, 3 n), how the tool turns and moves with the drive, and of `answer` how many steps
+    there were, where it goes, active constraints, and of several steps errors of the targets. It ends after work that
+    is worth the seconds that are asked for, and returns the work units that are left: an answer does not depend on the
+    machine.
     """
     problem = read_problem(robot, scene, settings, targets)
     wanted = read_asked(asked, start.shape[0])
@@ -221,11 +223,18 @@ def loaded_step(
     work, _ = _carve(workspace, problem, body, tables, of_lines, actuators)
     begin(work.sweep.clock)
     allow_work(work.sweep.clock, wanted.seconds / LOOK)
-    _begin_with(work.body, start, x, tensions)
     copy(start, work.q)
     copy(start, work.trial)
+    work.body.record[LOAD_FACTOR] = 0.0
+    if math.isnan(x[0, 0]) and not _find_body(work.body, start, x, tensions):
+        answer[k.ROUNDS] = answer[k.ACTIVE] = 0.0
+        answer[k.POSITION_ERROR] = answer[k.ANGLE_ERROR] = math.inf
+        return 0.0
+    _begin_with(work.body, start, x, tensions)
     k.set_free(problem, work)
-    answer[k.ROUNDS], count = k.advance(problem, wanted, work, start)
+    answer[k.ROUNDS], count, errors = k.advance(problem, wanted, work, start)
+    answer[k.POSITION_ERROR], answer[k.ANGLE_ERROR] = errors
+    _put(work.body.x, work.body.tensions, x, tensions)
     _shrink(problem, wanted, work, start)
     k.report(work, count, answer)
     copy(work.body.tip, tip)
@@ -325,13 +334,18 @@ def _settle(own: RestingBody, way: Way) -> bool:
 
     So an answer does not depend on what was asked before.
     """
-    n, x, tensions = way.q.shape[1], way.x[1], way.tensions[1]
-    fill(own.sections, own.of_lines, way.q[1], own.body.arcs, own.body.lines, x)
+    found = _find_body(own, way.q[1], way.x[1], way.tensions[1])
+    for i in range(way.held.shape[1]):
+        way.held[1, i] = own.body.lines[i, t.LINE_VALUE]
+    return found
+
+
+def _find_body(own: RestingBody, q: Array, x: Array, tensions: Array) -> bool:
+    """Fill states (N, 4) and tensions (t,) at a drive (n, 3), found from the body without load."""
+    fill(own.sections, own.of_lines, q, own.body.arcs, own.body.lines, x)
     tensions[:] = 0.0
     settle(x, tensions, own.body, True, own.space, own.record)
-    for i in range(tensions.shape[0]):
-        way.held[1, i] = own.body.lines[i, t.LINE_VALUE]
-    return bool(own.record[LOAD_FACTOR] >= 1.0 and own.record[UNSTABLE] == 0.0 and n > 0)
+    return is_stable(own.record)
 
 
 def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: Array) -> None:
@@ -418,7 +432,7 @@ def _find_middle(own: RestingBody, piece: Way, departure: Departure) -> bool:
     for i in range(own.tensions.shape[0]):
         own.trial_tensions[i] = departure.tensions[i]
     follow(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
-    return bool(own.record[LOAD_FACTOR] >= 1.0 and own.record[UNSTABLE] == 0.0)
+    return is_stable(own.record)
 
 
 def _certify_piece(

@@ -44,10 +44,11 @@ from sinuous.kernels.velocity.body import (
     RestingBody,
     add_resting_contacts,
     add_tensions,
+    derive_body,
+    excess_of,
     measure_travel,
     move_body,
     move_freely,
-    see_rows,
 )
 from sinuous.kernels.velocity.bounds import add_actuators, size_of, take
 from sinuous.kernels.velocity.contacts import ContactGaps, add_contacts, add_self_contacts
@@ -92,6 +93,9 @@ CONTACT_GAIN = 10.0
 """How far a place of the body may move in a step that begins in contact, as a multiple of what is asked for, without
 rates; other steps: `GAIN`."""
 
+SLOW_RATIO, SLOW_ROUNDS = 0.9, 4
+"""Several steps of a body in equilibrium end after so many in a row that leave more than this share of the residual."""
+
 DAMPING, FASTER, SLOWER = 0.01, 0.3, 10.0
 """Damping towards a target as a share of its residual, squared; how it changes after a step that was better or not."""
 
@@ -132,7 +136,9 @@ def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[
     rows.start[n] = at
     for i in range(at):
         merit += rows.value[i] * rows.value[i]
-    see_rows(problem, control, control.body)
+    if asked.rounds > 1:
+        excess = excess_of(problem, control.body)
+        merit += excess * excess
     return merit, off, turn
 
 
@@ -151,11 +157,16 @@ def _farthest(problem: Problem, asked: StepRequest, control: Control, mu: float)
     return min(CONTACT_LOOKAHEAD * measure_travel(problem.limits, control, control.body), problem.unit)
 
 
+def _may_touch(problem: Problem) -> bool:
+    """Whether there is anything that the body may touch."""
+    return bool(number_of(problem.scene) > 0 or problem.avoids_itself)
+
+
 def _put_bounds(problem: Problem, asked: StepRequest, control: Control, start: Array, mu: float) -> tuple[int, float]:
     """Write all bounds but those of single segments; returns their number, and the largest lack of a gap."""
     keep = problem.margin
     wish = max(asked.wish, keep)
-    ahead = _farthest(problem, asked, control, mu)
+    ahead = _farthest(problem, asked, control, mu) if _may_touch(problem) else 0.0
     own, gaps = ContactGaps(keep, keep, keep + ahead), ContactGaps(keep, wish, wish + ahead)
     count, lack = _list_bounds(problem, asked, control, control.body, start, own, gaps)
     return count, max(0.0, lack)
@@ -210,17 +221,21 @@ def _limit_travel(problem: Problem, asked: StepRequest, control: Control, wanted
                 control.trial[k, i] = control.q[k, i] + most / travel * (control.trial[k, i] - control.q[k, i])
 
 
-def advance(problem: Problem, asked: StepRequest, control: Control, start: Array) -> tuple[int, int]:
+def advance(
+    problem: Problem, asked: StepRequest, control: Control, start: Array
+) -> tuple[int, int, tuple[float, float]]:
     """Go on from `control.q`, step by step; `control.trial` is where it ends.
 
-    Returns how many steps there were, and how many constraints are in the working set.
+    Returns how many steps there were, how many constraints are in the working set, and of several steps the largest
+    errors of the targets, infinite where the body is nowhere at rest.
     """
     merit, off, turn = _linearise(problem, asked, control)
-    easing, count, rounds = 1.0, 0, 0
+    easing, count, rounds, slow = 1.0, 0, 0, 0
     if merit == math.inf:
         copy(control.q, control.trial)
-        return 0, 0
+        return 0, 0, (off, turn)
     while rounds < asked.rounds and not late(control.sweep.clock):
+        derive_body(problem, control, control.body, asked.rounds == 1 or _may_touch(problem))
         mu = LEAST_DAMPING
         if asked.kind == v.MEET_TARGETS:
             mu = max(LEAST_DAMPING, DAMPING * easing * merit)
@@ -241,21 +256,25 @@ def advance(problem: Problem, asked: StepRequest, control: Control, start: Array
         copy(control.q, control.working.pull)
         copy(control.trial, control.q)
         found, off, turn = _linearise(problem, asked, control)
+        slow = slow + 1 if found > SLOW_RATIO * merit else 0
         if found < merit or (lack > 0.0 and found < math.inf):
             gained = merit - found
             merit, easing = found, max(1e-6, FASTER * easing)
             met = off <= problem.position_tolerance and turn <= problem.angle_tolerance
+            met = met and excess_of(problem, control.body) == 0.0
             if (met and lack == 0.0) or moved < 1e-9 or gained < 1e-9 * found:
                 break
         else:
             copy(control.working.pull, control.q)
-            _linearise(problem, asked, control)
+            _, off, turn = _linearise(problem, asked, control)
             easing *= SLOWER
             if moved < 1e-9 or easing > 1e6:
                 break
+        if slow == SLOW_ROUNDS and control.body is not None:
+            break
     if asked.rounds > 1:
         copy(control.q, control.trial)
-    return rounds, count
+    return rounds, count, (off, turn)
 
 
 def _reached(problem: Problem, control: Control, start: Array) -> tuple[Vec, Vec]:
@@ -391,7 +410,7 @@ def control_step(
     allow(work.sweep.clock, wanted.seconds)
     copy(start, work.q)
     set_free(problem, work)
-    answer[ROUNDS], count = advance(problem, wanted, work, start)
+    answer[ROUNDS], count, _ = advance(problem, wanted, work, start)
     report(work, count, answer)
     _prove(problem, work, start, answer)
     copy(start, work.q)

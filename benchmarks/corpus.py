@@ -13,15 +13,15 @@ An answer that differs is looked at by the judges of the other experiments, wher
 """
 
 import contextlib
-import dataclasses
 import gzip
+import inspect
 import io
 import json
 import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import Enum
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Annotated, Any, NamedTuple
@@ -55,31 +55,11 @@ BUDGET: dict[str, Any] = {"time": 30.0, "max_starts": 40}
 FEW: dict[str, Any] = {"time": 30.0, "max_starts": 6}
 """The same where many problems are impossible."""
 
-ATTRIBUTES = {
-    "Solution": "status q position_error angle_error clearance self_clearance demanded_clearance "
-    "demanded_self_clearance starts start iterations method route route_class reason worst binding actuators tensions "
-    "sentence",
-    "Solutions": "status q position_error angle_error clearance self_clearance starts start iterations actuators",
-    "Explanation": "status reason binding nearest remedies complete sentence misses untried",
-    "Step": "status q velocity twist share proved touching clearance self_clearance position_error angle_error active "
-    "observed",
-    "Motion": "status q times between waypoint_knots reconfigured remaining unproved_steps clearance self_clearance "
-    "largest_step worst actuators",
-    "Equilibrium": "q states tensions stable reaction iterations arcs poses",
-    "Derivative": "q tip actuators clearance regular singular active",
-    "Derivatives": "q tip actuators regular",
-    "Response": "tip states tensions regular",
-    "Calibration": "robot device groups trials parameters residuals held_back dropped notes",
-    "Design": "minimise front deciding changes cut tried most_done tasks",
-    "Assessment": "totals rows",
-    "Reach": "verdicts free obstacles names base farthest directions",
-    "Memory": "q edges",
-    "Exploration": "memory shapes motions tests spacing rounds full parts",
-}
-"""Public attributes of the answers that hold more than plain values."""
-
 LEFT_OUT = ("robot", "scene", "problem", "motor", "seconds", "prepare_seconds", "version")
 """What answers name of their questions, beside what was found; and what no two runs, or versions, have in common."""
+
+NOUNS = (sn.Robot, sn.Scene)
+"""What is told as it is in files."""
 
 WORDS = ("sentence", "misses", "untried", "notes", "note", "words", "deciding")
 """Keys of what is said in words, and may be said in others."""
@@ -120,13 +100,7 @@ class Difference(NamedTuple):
 
 
 def plain(value: Any) -> Any:
-    """Return the plain values of an answer: of JSON, floats to the last bit.
-
-    Raises
-    ------
-    AttributeError
-        When it holds what is not known here.
-    """
+    """Return the plain values of an answer: of JSON, floats to the last bit."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Enum):
@@ -135,19 +109,26 @@ def plain(value: Any) -> Any:
         return CHANGING.sub("...", value)
     if value is None or isinstance(value, bool | int | float):
         return value
-    if type(value).__name__ in ATTRIBUTES:
-        names: Sequence[str] | None = ATTRIBUTES[type(value).__name__].split()
-    elif dataclasses.is_dataclass(value):
-        names = [field.name for field in dataclasses.fields(value) if not field.name.startswith("_")]
-    else:
-        names = getattr(value, "_fields", None)
+    names = getattr(value, "_fields", None)
     if names is not None:
         entries: Mapping[Any, Any] = {name: getattr(value, name) for name in names}
     elif isinstance(value, list | tuple):
         return [plain(each) for each in value]
+    elif isinstance(value, Mapping):
+        entries = value
     else:
-        entries = value if isinstance(value, Mapping) else value.to_dict()
+        entries = value.to_dict() if isinstance(value, NOUNS) else dict(_public(value))
     return {str(key): plain(each) for key, each in entries.items() if key not in LEFT_OUT}
+
+
+def _public(value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the public attributes of an answer, with their names, but for those that it refuses."""
+    members = inspect.getmembers_static(type(value))
+    own = {name for name, each in members if not inspect.isroutine(each) or isinstance(each, cached_property)}
+    for name in sorted(own | getattr(value, "__dict__", {}).keys()):
+        if not name.startswith("_") and name not in LEFT_OUT:
+            with contextlib.suppress(sn.InputError, sn.NotSolvedError):
+                yield name, getattr(value, name)
 
 
 def differences(before: Any, after: Any, key: str = "") -> Iterator[Difference]:

@@ -304,7 +304,7 @@ def clearance_change(problem: Problem, q: Floats, plan: DerivativePlan, moved: F
     if not free.any():
         return np.full(plan.columns, np.nan)
     bound = float((problem.scene.distance(points[free]) - own[free]).min())
-    found = KeptRows.near(problem, plan, q, bound + SAME_GAP * robot.mean_length)
+    found = KeptRows.found(problem, plan, q, bound + SAME_GAP * robot.mean_length)
     if not len(found.rows):
         return np.full(plan.columns, np.nan)
     left = found.about[:, a.ROW_SLACK]

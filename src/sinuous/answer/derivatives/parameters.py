@@ -3,6 +3,7 @@
 What an answer has to keep while parameters change are its rows, as kernels find them.
 """
 
+import math
 import threading
 from collections.abc import Iterable
 from functools import cached_property
@@ -14,7 +15,7 @@ from sinuous.base.arguments import Parameter
 from sinuous.base.checks import Floats
 from sinuous.base.parameter_groups import TWIST, read_names
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.derivative.query import derive, find_contacts
+from sinuous.kernels.derivative.query import derive
 from sinuous.kernels.derivative.sides import ACTUATOR_NUMBER, CIRCLE, RADIUS_OF
 from sinuous.kernels.packing import scales_of
 from sinuous.model.limits import least_distance
@@ -267,20 +268,16 @@ class KeptRows:
         self.problem, self.plan, self.answer, self.q = problem, plan, answer, q
 
     @classmethod
-    def found(cls, problem: Problem, plan: DerivativePlan, q: Floats) -> "KeptRows":
-        """Find what `q` (n, 3) keeps, and derive it as the nearest answer."""
-        answer = np.empty(plan.answer)
-        group = problem.scene._kernel_group if plan.obstacles else None
-        own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines
-        derive(*own, np.array(q), plan.workspace, answer)
-        return cls(problem, plan, answer, q)
+    def found(cls, problem: Problem, plan: DerivativePlan, q: Floats, keep: float = math.inf) -> "KeptRows":
+        """Find what `q` (n, 3) keeps, and derive it as the nearest answer.
 
-    @classmethod
-    def near(cls, problem: Problem, plan: DerivativePlan, q: Floats, keep: float) -> "KeptRows":
-        """Find the places of the body whose gaps to obstacles are at most about `keep`, which gaps count from."""
-        answer, workspace = np.empty(plan.answer), np.empty(plan.workspace.size)
-        own = plan.group, problem.scene._kernel_group, plan.settings, problem._rows, plan.asked, plan.lines
-        find_contacts(*own, q.copy(), keep, workspace, answer)
+        With a finite `keep` find the places of the body whose gaps to obstacles are at most about that: gaps count
+        from there.
+        """
+        answer, group = np.empty(plan.answer), problem.scene._kernel_group if plan.obstacles else None
+        workspace = plan.workspace if keep == math.inf else np.empty(plan.workspace.size)
+        own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines
+        derive(*own, np.array(q), keep, workspace, answer)
         return cls(problem, plan, answer, q)
 
     def at(self, q: Floats) -> "KeptRows":

@@ -164,7 +164,7 @@ PIECES = (
     Piece(
         "derivatives among obstacles",
         9,
-        tuple(f"kernels.derivative.query.{name}" for name in ("derive", "derive_many", "find_contacts")),
+        ("kernels.derivative.query.derive", "kernels.derivative.query.derive_many"),
         most=FEW,
     ),
     Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.path.sample")),

@@ -112,9 +112,16 @@ def settle(limits: Array, work: Workspace, count: int, targets: int, sides: Arra
     return most
 
 
-def _find_rows(problem: Problem, work: Workspace) -> tuple[int, int, float, int]:
-    """Fill the rows at `work.q`; returns all, those of targets, their largest residual, and bits of a status."""
+def _find_rows(problem: Problem, work: Workspace, keep: float) -> tuple[int, int, float, int]:
+    """Fill the rows at `work.q`; returns all, those of targets, their largest residual, and bits of a status.
+
+    With a finite `keep` they are those of contacts alone, see `derive`.
+    """
     forward_with_columns(problem.limits, work.q, work.frames, work.columns)
+    if keep < math.inf:
+        count, told = add_contacts(problem.scene, problem, work, 0, keep)
+        normalise(problem.limits, work, count)
+        return count, 0, 0.0, told
     targets, residual = add_targets(problem, work)
     targets, full = add_equalities(problem, work, targets)
     count, told = add_limits(problem, work, targets, NEAR_BY)
@@ -145,24 +152,6 @@ def _largest(sides: Array) -> float:
     return most
 
 
-def _lay_out(
-    robot: Array,
-    scene: Array | None,
-    settings: Array,
-    targets: Array,
-    asked: Array,
-    q: Array,
-    workspace: Array,
-    answer: Array,
-) -> tuple[Problem, Workspace]:
-    """Read the problem, and lay out a desk for the configuration `q` (n, 3); arguments as for `derive`."""
-    problem = read_problem(robot, scene, settings, targets)
-    sizes = q.shape[0], asked[d.ROWS], asked[d.COLUMNS]
-    work = carve_workspace(workspace, answer, problem.base, number_of(problem.scene), sizes)
-    copy(q, work.q)
-    return problem, work
-
-
 def _follow(problem: Problem, asked: Array, lines: Array, work: Workspace, count: int, targets: int) -> int:
     """Move `work.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status."""
     status = 0
@@ -184,28 +173,31 @@ def _derive(
     asked: Array,
     lines: Array,
     q: Array,
+    keep: float,
     workspace: Array,
     answer: Array,
 ) -> None:
-    """Fill the answer for `q`; arguments as for `derive`.
+    """Fill the answer for `q`; arguments as for `derive`, and see there.
 
     Where targets are not quite met, Newton's way from there to where they are is derived as well: its first step D b
     leaves what its second one adds, D' (b' - A' D b).
     """
-    problem, work = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
-    count, met, residual, status = _find_rows(problem, work)
-    move_directly(problem, asked, work.moved)
-    status |= _follow(problem, asked, lines, work, count, met)
-    if residual > CONVERGED and status == 0:
-        _correct(problem, work, count, met)
-        count, met, _, status = _find_rows(problem, work)
+    problem = read_problem(robot, scene, settings, targets)
+    sizes = q.shape[0], asked[d.ROWS], asked[d.COLUMNS]
+    work = carve_workspace(workspace, answer, problem.base, number_of(problem.scene), sizes)
+    copy(q, work.q)
+    count, met, residual, status = _find_rows(problem, work, keep)
+    if keep < math.inf:
+        fill_sides(problem.scene, problem, asked, lines, work, count)
+    else:
+        move_directly(problem, asked, work.moved)
         status |= _follow(problem, asked, lines, work, count, met)
-    answer[d.STATUS], answer[d.ROW_COUNT], answer[d.TARGET_ROWS], answer[d.WORST_RESIDUAL] = (
-        status,
-        count,
-        met,
-        residual,
-    )
+        if residual > CONVERGED and status == 0:
+            _correct(problem, work, count, met)
+            count, met, _, status = _find_rows(problem, work, keep)
+            status |= _follow(problem, asked, lines, work, count, met)
+    answer[d.STATUS], answer[d.ROW_COUNT], answer[d.TARGET_ROWS] = status, count, met
+    answer[d.WORST_RESIDUAL] = residual
 
 
 @entry
@@ -217,16 +209,20 @@ def derive(
     asked: Array,
     lines: Array,
     q: Array,
+    keep: float,
     workspace: Array,
     answer: Array,
 ) -> None:
     """Derive the answer `q` (n, 3) to targets (t, 15); fills `answer`, see `layout.answer_size`.
 
+    With a finite `keep` nothing is derived: the rows of the answer are those of the places whose gaps to obstacles are
+    at most about `keep`, and what is left of a gap is counted from there.
+
     `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says; `scene` is `None` without
     obstacles. `asked` (14,) int64: the first column of each group of parameters, or -1, and sizes, see `layout`.
     `lines` (p, 3): see `sides`. `workspace`: see `layout.workspace_size`.
     """
-    _derive(robot, scene, settings, targets, asked, lines, q, workspace, answer)
+    _derive(robot, scene, settings, targets, asked, lines, q, keep, workspace, answer)
 
 
 @entry
@@ -250,32 +246,6 @@ def derive_many(
     answer = workspace[workspace.shape[0] - asked[d.ANSWER] :]
     found, _ = cut(answer[d.ANSWER_HEADER :], moved.shape[1], moved.shape[2])
     for i in range(q.shape[0]):
-        _derive(robot, scene, settings, targets[i], asked, lines, q[i], workspace, answer)
+        _derive(robot, scene, settings, targets[i], asked, lines, q[i], math.inf, workspace, answer)
         copy(found, moved[i])
         status[i] = answer[d.STATUS]
-
-
-@entry
-def find_contacts(
-    robot: Array,
-    scene: Array,
-    settings: Array,
-    targets: Array,
-    asked: Array,
-    lines: Array,
-    q: Array,
-    keep: float,
-    workspace: Array,
-    answer: Array,
-) -> None:
-    """Find the places of the body at `q` (n, 3) whose gaps to obstacles are at most about `keep`.
-
-    Arguments as for `derive`; fills the rows of the answer, and of its header how it ended and their number. What is
-    left of a gap is counted from `keep`.
-    """
-    problem, work = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
-    forward_with_columns(problem.limits, work.q, work.frames, work.columns)
-    count, status = add_contacts(problem.scene, problem, work, 0, keep)
-    normalise(problem.limits, work, count)
-    fill_sides(problem.scene, problem, asked, lines, work, count)
-    answer[d.STATUS], answer[d.ROW_COUNT], answer[d.TARGET_ROWS], answer[d.WORST_RESIDUAL] = status, count, 0, 0.0

@@ -270,7 +270,7 @@ class _Steps:
         if not len(problem.scene):
             return []
         plan = plan_for(problem, ("base", "lengths", "radii"))
-        found = KeptRows.near(problem, plan, q, CONTACT_RANGE * self._robot.mean_length)
+        found = KeptRows.found(problem, plan, q, CONTACT_RANGE * self._robot.mean_length)
         factor = found.about[:, a.ROW_FACTOR][:, None]
         rows, left = found.rows / factor, found.about[:, a.ROW_SLACK] + CONTACT_RANGE * self._robot.mean_length
         fields = found.sides / factor @ self._moved

@@ -140,6 +140,10 @@ After this header follow the numbers of the obstacles that are beside the tree, 
 number of the obstacle of each box, which may have several; and the nodes, of `kernels.fields.eight_boxes` eight a
 block."""
 
+FEWEST_SAMPLED = 500
+"""Triangles from which on a mesh is sampled wherever it stands: the exact distance to fewer is nearly as quick, see
+`kernels.fields.candidates`. Where there are very many, those have a few samples, too."""
+
 TRIANGLES, BALLS, CUBES = range(3)
 """Kinds of items."""
 

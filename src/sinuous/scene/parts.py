@@ -136,7 +136,7 @@ NO_NORMALS = np.empty((0, 21))
 def triangles(mesh: Mesh) -> Pieces:
     """Triangles of a mesh, with normals where it is watertight."""
     vertices, faces = mesh.vertices, mesh.faces
-    large = mesh.watertight and len(faces) >= sampling.FEWEST_PIECES
+    large = mesh.watertight and len(faces) >= t.FEWEST_SAMPLED
     with ThreadPoolExecutor(1) as beside:  # NumPy works on large arrays without the interpreter's lock
         later = beside.submit(part_normals, vertices, faces) if large else None
         corners = vertices[faces]
@@ -325,16 +325,15 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None, sharing: 
         return _sampled(balls(obstacle), progress, sharing)
     if isinstance(obstacle, Mesh):
         pieces = triangles(obstacle)
-        small = len(pieces.items) < sampling.FEWEST_PIECES
-        # Cells are 2 MB each, take as long as a hundred solves, and halve the time of a distance: not for many.
-        own = _with_candidates if sharing < t.MANY_OBSTACLES else _of_pieces
-        if small and not obstacle.watertight:
-            return own(pieces)
-        # Of a small one, too: samples tell whether its sides are as its normals say.
+        # Cells are 2 MB each, and take as long as a hundred solves: of many meshes steps read some samples instead.
+        celled = _is_small(pieces) and sharing < t.MANY_OBSTACLES
+        if celled and not obstacle.watertight:
+            return _with_candidates(pieces)
+        # Of one with cells, too: samples tell whether its sides are as its normals say.
         part = _sampled(pieces, progress, sharing)
         if obstacle.watertight:
             _check_sides(obstacle, part, name)
-        return own(pieces) if small else part
+        return _with_candidates(pieces) if celled else part
     raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
 
 
@@ -354,11 +353,16 @@ def _of_pieces(pieces: Pieces) -> Part:
     return Part(row, store, _box_of(pieces) if len(pieces.items) else None)
 
 
+def _is_small(pieces: Pieces) -> bool:
+    """Whether it is a mesh of few triangles."""
+    return pieces.kind == TRIANGLES and len(pieces.items) < t.FEWEST_SAMPLED
+
+
 def _box_of(pieces: Pieces) -> Floats:
     """A box (16,) about a few triangles along their own axes, about anything else along those of the world."""
     turn = np.eye(3)
     low, high = pieces.nodes[1, :3], pieces.nodes[1, 3:]
-    if pieces.kind == TRIANGLES and len(pieces.items) < sampling.FEWEST_PIECES:
+    if _is_small(pieces):
         corners = pieces.items[:, :9].reshape(-1, 3)
         own = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[2].T
         lows, highs = (corners @ own).min(axis=0), (corners @ own).max(axis=0)
@@ -378,10 +382,11 @@ def _sampled(pieces: Pieces, progress: Progress | None, sharing: int) -> Part:
     row = _with_grid(part.row, t.FIRST_SAMPLE, -1, shape, low, spacing)
     values = sampling.sample(row, part.store, low, spacing, shape, progress)
     extent = spacing * (np.array(shape) - 1.0)  # beyond the samples, a distance is no less than that to their grid
+    box = np.concatenate([low + 0.5 * extent, np.eye(3).ravel(), 0.5 * extent, [0.0]])
     return Part(
         _with_grid(part.row, t.FIRST_SAMPLE, part.store.size, shape, low, spacing),
         np.concatenate([part.store, values.ravel()]),
-        np.concatenate([low + 0.5 * extent, np.eye(3).ravel(), 0.5 * extent, [0.0]]),
+        part.own_box if _is_small(pieces) else box,  # so few samples reach far about it
     )
 
 

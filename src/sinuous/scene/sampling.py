@@ -15,7 +15,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import draft_of
 from sinuous.base.progress import work_time
 from sinuous.base.system import places, writable
-from sinuous.kernels.tables import ITEM_COUNT, ITEM_KIND, LEVELS, MANY_OBSTACLES, TRIANGLES
+from sinuous.kernels.tables import FEWEST_SAMPLED, ITEM_COUNT, ITEM_KIND, LEVELS, MANY_OBSTACLES, TRIANGLES
 
 MOST_FILES = 32
 """Files kept; the oldest go first."""
@@ -73,9 +73,6 @@ Progress = Callable[[float], object]
 LEAST, MOST = 2**18, 2_000_000
 """Samples of an obstacle: at least about so many, and at most (16 MB)."""
 
-FEWEST_PIECES = 500
-"""Triangles from which on a mesh is sampled: the exact distance to fewer is nearly as quick, see `candidates`."""
-
 PER_PIECE = 128
 """Samples for every primitive, between these."""
 
@@ -89,8 +86,8 @@ FEWEST = 2**15
 SAMPLE_SECONDS = 6e-7
 """Seconds that a sample takes, about."""
 
-FOR_SIDES = 2**12
-"""Samples of a small mesh that shares with many: none is kept, they only tell whether its sides are as they should."""
+OF_SMALL = 2**12
+"""Samples of a mesh of few triangles that is one of many."""
 
 PAD = 3
 """Cells around the box of the obstacle."""
@@ -109,8 +106,8 @@ VERSION = 2
 
 def sample_count(of_triangles: bool, pieces: int, sharing: int) -> int:
     """How many samples an obstacle of so many primitives has, where so many share those of one."""
-    if of_triangles and pieces < FEWEST_PIECES and sharing >= MANY_OBSTACLES:
-        return FOR_SIDES
+    if of_triangles and pieces < FEWEST_SAMPLED and sharing >= MANY_OBSTACLES:
+        return OF_SMALL
     most = MOST_OF_MANY if of_triangles and pieces * sharing > MANY_TRIANGLES else MOST
     return max(min(max(PER_PIECE * pieces, LEAST), most) // sharing, FEWEST if sharing > 1 else 0)
 

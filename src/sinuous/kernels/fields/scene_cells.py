@@ -33,6 +33,14 @@ EIGHT = 8
 ROOT_3 = math.sqrt(3.0)
 
 
+def _has_fine_samples(scene: Scene, i: int) -> bool:
+    """Whether an obstacle may be the closest by its samples alone: the few of a small mesh would fill all lists."""
+    triangles = scene.table[i, t.KIND] == t.TREE and scene.table[i, t.ITEM_KIND] == t.TRIANGLES
+    if scene.table[i, t.KIND] < t.TREE or (triangles and scene.table[i, t.ITEM_COUNT] < t.FEWEST_SAMPLED):
+        return False
+    return bool(scene.table[i, t.FIRST_SAMPLE] >= 0.0)
+
+
 def _choose(scene: Scene, p: Vec, radius: float, room: float, memory: Array, first: int, count: int, to: int) -> Vec:
     """Copy those of a list to place `to` that may be the closest to a point within `radius` of `p`, or within `room`.
 
@@ -43,7 +51,7 @@ def _choose(scene: Scene, p: Vec, radius: float, room: float, memory: Array, fir
         i = int(memory[first + ENTRY_SIZE * j])
         d, _ = evaluate(scene, i, p, math.inf, EXACT)
         low, slack = d, 2.0 * scene.table[i, t.ROUNDOFF] + SLACK * (abs(d) + radius)
-        if scene.table[i, t.KIND] >= t.TREE and scene.table[i, t.FIRST_SAMPLE] >= 0.0:
+        if _has_fine_samples(scene, i):
             low, _ = evaluate(scene, i, p, math.inf, INTERPOLATED)
             low, slack = min(d, low), slack + 2.0 * scene.table[i, t.SPACING]
         memory[to + ENTRY_SIZE * j], memory[to + ENTRY_SIZE * j + 1] = i, low - slack

@@ -141,7 +141,7 @@ def test_results_that_do_not_fit_are_refused(tmp_path: Path) -> None:
 
 BAD = {
     "3": "file: expected a problem, a robot, a list of obstacles, or a motion, got 3",
-    "": "file: expected a problem, a robot, a list of obstacles, or a motion, got None",
+    "": "file: missing; expected a problem, a robot, a list of obstacles, or a motion",
     "a: 1": "a: unknown key; expected one of robot, scene",
     "segments: {length: 1, lenght: 2}": "segments.lenght: unknown key; did you mean 'length'?",
     "[{spere: {}}]": "[0].spere: unknown key; did you mean 'sphere'?",
@@ -150,7 +150,7 @@ BAD = {
     "robot: missing.yaml": "robot: cannot be read: No such file",
     "robot: {segments: {length: 1}}\nscene: name.yaml": "expected what stands under scene, not the name of another",
     "robot: {segments: {length: 1}}\nscene: job.yaml": "expected a list of obstacles",
-    "robot: {segments: {length: 1}}\nscene: empty.yaml": "file: expected what stands under scene",
+    "robot: {segments: {length: 1}}\nscene: empty.yaml": "file: missing; expected what stands under scene",
     "robot: [arm.yaml]": "robot: expected a mapping with segments",
 }
 

@@ -2,13 +2,18 @@
 
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere, rows_of
+from benchmarks.judges.primitives import KINDS as JUDGED
+from sinuous.measures.obstacles import measure
+from sinuous.scene.obstacles import PRIMITIVES, Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere, rows_of
+from sinuous.view.display.surfaces import obstacle_surface
+from sinuous.view.page.edits import KINDS, make_obstacle
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each, with_each
 
 VECTORS: list[tuple[str, Callable[[Any], Any]]] = [
@@ -57,6 +62,21 @@ def test_shapes_without_a_body_are_refused() -> None:
     refused("normal", lambda: HalfSpace((0, 0, 0), (0, 0, 0)))
     refused("rotation", lambda: Box((0, 0, 0), (1, 1, 1), np.diag([1, 1, -1])))
     refused("rotation", lambda: Box((0, 0, 0), (1, 1, 1), (0, 0, 0, 0)))
+
+
+def test_every_exact_kind_is_known_everywhere(tmp_path: Path) -> None:
+    own = {kind for kind in Primitive.__subclasses__() if kind.__module__ == Primitive.__module__}
+    assert own == set(PRIMITIVES.values()) == set(JUDGED)
+    assert list(PRIMITIVES) == list(KINDS)  # what can be made by hand
+    keys = (Path(__file__).parents[2] / "docs" / "format.md").read_text(encoding="utf-8")
+    for name, kind in PRIMITIVES.items():
+        made = make_obstacle(name, np.ones(3), 0.5)
+        assert type(made) is kind is getattr(sn, kind.__name__)
+        sn.Scene([made]).save(tmp_path / "scene.yaml")
+        assert sn.load(tmp_path / "scene.yaml").equals(sn.Scene([made]))
+        assert np.isfinite(measure(made, np.zeros((1, 3)))).all()
+        assert len(obstacle_surface(made, np.zeros(3), 2.0, 8).vertices) > 0
+        assert f"`{name}`" in keys
 
 
 class Unmeasured(Sphere):

@@ -195,7 +195,7 @@ def read_archive(file: str | Path, key: str, versions: tuple[int, ...], what: st
                     return
         except Exception as error:  # a damaged archive raises errors of zipfile, zlib, numpy, json
             raise InputError(key, f"damaged: {error}", str(file), what) from None
-    raise InputError(key, "of another version", version, str(versions[-1]), str(file))
+    raise InputError(key, "of another version", version, f"{versions[-1]}; make it anew: {what}", str(file))
 
 
 MOST_WHOLE = 2**53

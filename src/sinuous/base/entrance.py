@@ -39,6 +39,10 @@ def entrance(
     new_home = {name: home for home, names in (moved or {}).items() for name in names.split()}
     inner = packages.split()
 
+    def meant(name: str) -> str:
+        hint = None if name.startswith("_") else import_module("sinuous.base.errors").guessed(name, [*of_name, *inner])
+        return f"; {hint}" if hint else ""
+
     def resolve(name: str) -> Any:
         if name in inner:
             return import_module(f"{package}.{name}")
@@ -46,7 +50,7 @@ def entrance(
             warn_moved(f"{package}.{name}", f"{new_home[name]}.{name}", 2)
             return getattr(import_module(new_home[name]), name)
         if name not in of_name:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            raise AttributeError(f"module {package!r} has no attribute {name!r}" + meant(name))
         value = getattr(import_module(of_name[name]), name)
         import_module("sinuous.base.signatures").make_readable(value)
         value = import_module("sinuous.base.errors").explain_keywords(value)

@@ -135,21 +135,30 @@ LIKE = 0.6
 """How alike a name must be to be suggested, 1 for equal ones."""
 
 
-def suggested(name: Any, known: Iterable[str]) -> str:
-    """What a name that is not known should be: `did you mean 'length'?`; or one of all, where none is alike."""
+def guessed(name: Any, known: Iterable[str]) -> str | None:
+    """What is meant by a name that is not known: `did you mean 'length'?`; `None` where no other is likely."""
     import difflib  # noqa: PLC0415
 
+    word, names = str(name), tuple(known)
+    if word in MEANT and not {*names}.isdisjoint(re.findall(r"\w+", MEANT[word])):
+        return f"{GUESS}{MEANT[word]}?"
+    begun = [each for each in names if len(word) > 2 and each.startswith(word)]
+    nearest = begun if len(begun) == 1 else difflib.get_close_matches(word, names, 1, LIKE)
+    return f"{GUESS}{nearest[0]!r}?" if nearest else None
+
+
+def suggested(name: Any, known: Iterable[str]) -> str:
+    """What a name that is not known should be: what is likely to be meant, or one of all."""
     names = tuple(known)
-    nearest = difflib.get_close_matches(str(name), names, 1, LIKE)
-    return f"{GUESS}{nearest[0]!r}?" if nearest else "one of " + ", ".join(names)
+    return guessed(name, names) or "one of " + ", ".join(names)
 
 
 class InputError(ValueError):
     """Input that cannot be meant, in one line: `KEY: PROBLEM; expected EXPECTED, got VALUE`.
 
-    In front stands the file that holds the key, when it came from one. The problem is left out where the rest says it,
-    and the value where it is `None` and there is a problem. Of a name that is not known, the one that is meant may be
-    what was expected: `did you mean 'length'?`.
+    In front stands the file that holds the key, when it came from one. The problem is left out where the rest says it;
+    a value that is `None` is missing, or left out where there is another problem. Of a name that is not known, the one
+    that is meant may be what was expected: `did you mean 'length'?`.
 
     Attributes
     ----------
@@ -167,6 +176,7 @@ class InputError(ValueError):
 
     def __init__(self, key: str, problem: str, value: object, expected: str, file: str | None = None) -> None:
         place = key if file is None else f"{file}: {key}"
+        problem = problem or ("missing" if value is None else "")
         wrong = f"{problem}; " if problem else ""
         got = "" if problem and value is None else f", got {shown(value)}"  # nothing was given, as the problem says
         right = expected if expected.startswith(GUESS) else f"expected {expected}{got}"
@@ -260,14 +270,24 @@ MEANT = {
     "guess": "initial, the configuration to begin from",
     "q0": "initial, the configuration to begin from",
     "timeout": "time, the budget in seconds",
-    "rates": "rates in the call that needs them, solver.step(..., rates=) or motion.timed(rates)",
+    "rates": "rates in the call that needs them, where time passes: solver.step(..., rates=) or motion.timed(rates)",
     "radius": "the radius of the robot's segments, or clearance, a distance that is kept besides",
     "quaternion": "rotation=(w, x, y, z) or xyzw=(x, y, z, w), which say the order",
     "orientation": "rotation: a quaternion (w, x, y, z), a matrix, or a Rotation of SciPy",
     "ratio": "gain: of displacements to what the motors count",
     "gear": "gain of tendons, chambers and stages: of displacements to what the motors count",
+    "diameter": "radius, half of it",
+    "r": "'radius'",
+    "n": "'count'",
+    "number": "'count'",
+    "extents": "size, the full extents",
+    "dimensions": "size, the full extents",
+    "ball": "'sphere'",
+    "plane": "'half_space'",
+    "goal": "'target'",
 }
-"""What is meant by keywords that are often guessed, and whose names are unlike."""
+"""What is meant by names that are often guessed, and are unlike; said where one of these words is a name that is known.
+"""
 
 
 def refuse_unknown(given: Mapping[str, Any], names: Iterable[str]) -> None:
@@ -281,8 +301,7 @@ def refuse_unknown(given: Mapping[str, Any], names: Iterable[str]) -> None:
     known = tuple(names)
     for key, value in given.items():
         if key not in known:
-            meant = f"{GUESS}{MEANT[key]}?" if key in MEANT else suggested(key, known)
-            raise UnknownOptionError(key, "unknown option", value, meant) from None
+            raise UnknownOptionError(key, "unknown option", value, suggested(key, known)) from None
 
 
 def explain_keywords(public: Any) -> Any:

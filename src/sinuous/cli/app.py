@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from sinuous import __version__
-from sinuous.base.errors import InputError, UnfinishedError
+from sinuous.base.errors import InputError, UnfinishedError, suggested
 from sinuous.cli.options import (
     BAD_INPUT,
     COLUMNS,
@@ -313,17 +313,29 @@ def execute(commands: Any, name: str, arguments: Sequence[str] | None) -> int:
         _say(str(error))
         return BAD_INPUT
     except _UsageError as error:
-        _say(f"{name}: {error.format_message()}{_got(error)}")
+        _say(_refusal(name, error))
         return BAD_INPUT
     except (OSError, UnfinishedError) as error:
         _say(f"{name}: {error}")
         return UNSOLVED
 
 
-def _got(error: Exception) -> str:
-    """What was typed, where only the cause of the message knows it."""
+WANTED = {"float": "a number", "int": "a whole number"}
+"""What an option expects, by how the type of a refusal begins."""
+
+
+def _refusal(name: str, error: Any) -> str:
+    """What is wrong with what was typed, in the line that refuses input elsewhere."""
+    option = getattr(error, "option_name", None)
     causes: list[dict[str, Any]] = getattr(error.__cause__, "errors", list)()
-    return "".join(f", got {cause['input']!r}" for cause in causes[:1])
+    if option is not None and error.ctx is not None:
+        typed = [name for each in error.ctx.command.get_params(error.ctx) for name in each.opts + each.secondary_opts]
+        known = [name for name in typed if name.startswith("-")]
+        return str(InputError(option, "unknown option", None, suggested(option, known)))
+    for cause in causes:
+        wanted = WANTED.get(cause["type"].partition("_")[0], cause["msg"].removeprefix("Input should be "))
+        return str(InputError(error.param.opts[0], "", cause["input"], wanted))
+    return f"{name}: {error.format_message()}"
 
 
 def _say(message: str) -> None:

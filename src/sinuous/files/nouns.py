@@ -32,22 +32,19 @@ from sinuous.problem.target import Target, Tolerance, Workspace, target_list
 from sinuous.scene.grids import Grid
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.obstacles import PRIMITIVES, Obstacle
 from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 Noun = TypeVar("Noun")
 
-OBSTACLES: dict[str, Callable[..., Obstacle]] = {
-    "sphere": Sphere,
-    "box": Box,
-    "capsule": Capsule,
-    "cylinder": Cylinder,
-    "half_space": HalfSpace,
+WANTED = {
+    "scale": "units of the scene in one of the file: 0.001 for a file in mm and a robot in m",
+    "length": "a number or [low, high]",
+    "radius": "a number",
+    **dict.fromkeys(("center", "start", "end", "point", "normal", "size"), "3 finite numbers"),
 }
-
-WANTED = {"scale": "units of the scene in one of the file: 0.001 for a file in mm and a robot in m"}
-"""What a key that is missing would say, where its name alone does not tell."""
+"""What a key that is missing would say."""
 
 FROM_FILES: dict[str, Callable[..., Obstacle]] = {"mesh": Mesh.load, "points": PointCloud.load, "grid": Grid.load}
 """Obstacles of which the problem file says in which file they are."""
@@ -230,7 +227,7 @@ def read_place(entries: dict[str, Any], folder: Path) -> tuple[Robot, Scene]:
 
 def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obstacle]:
     """Read one obstacle; a mesh of bodies that overlap becomes several."""
-    kind, description = _one_of((*OBSTACLES, *FROM_FILES), value)
+    kind, description = _one_of((*PRIMITIVES, *FROM_FILES), value)
     with checks.inside(kind):
         if isinstance(description, dict) and MOVING in description:
             still = {key: value for key, value in description.items() if key != MOVING}
@@ -242,8 +239,8 @@ def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obsta
 
 def _read_kind(kind: str, description: Any, robot: Robot | None, folder: Path) -> list[Obstacle]:
     """Read one obstacle of a kind; what is refused is a key of its description."""
-    if kind in OBSTACLES:
-        return [make(OBSTACLES[kind], description)]
+    if kind in PRIMITIVES:
+        return [make(PRIMITIVES[kind], description)]
     array, noun = FROM_ARRAYS[kind]
     if isinstance(description, dict) and array in description:
         return [make(noun, description)]
@@ -454,10 +451,17 @@ KEYS = (
 )
 
 
+OPTIONS = ("method", "time", "seed", "routes")
+"""Options of a solve that are taken for keys of a problem."""
+
+
 def problem_arguments(value: Any, file: str, question: bool = True) -> dict[str, Any]:
     """Return what a problem file says, as arguments of `Job`; without its `question`, it may be a robot alone."""
     if not isinstance(value, dict):
         raise InputError("file", "", value, "a mapping with " + ", ".join(KEYS))
+    for key in OPTIONS:
+        if key in value:
+            raise InputError(key, "says how to solve", value[key], f"it in the call, {key}=, or typed, --{key}")
     alone = not question and ("segments" in value or "joints" in value) and "robot" not in value
     entries = {} if alone else known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent

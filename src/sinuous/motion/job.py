@@ -1,5 +1,6 @@
 """A problem file as Python has it: read, changed, solved, saved, and joined with its results."""
 
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Self, TypeVar, Unpack, overload
@@ -408,6 +409,7 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     InputError
         In one line with the name of the file, the key, the value and what was expected.
     """
+    checks.instance("file", file, str | os.PathLike, "the name of a file")
     with checks.in_file(file):
         with gc_paused():  # see `read_problem`
             found = _noun_of(read_values(file), str(file))

@@ -36,9 +36,6 @@ LEVEL_WORK = 6
 SPHERE_COST = 0.25
 """What the distance to a ball takes, of that to another obstacle: a hierarchy of balls alone is worth while later."""
 
-BOUNDED = (t.SPHERE, t.BOX, t.CYLINDER, t.TREE)
-"""Kinds of obstacles that lie in a box."""
-
 
 class _Boxes(NamedTuple):
     """Boxes along axes of their own: the obstacles in them (c,), centers, axes, half extents, rounding (c,)."""
@@ -119,7 +116,8 @@ def _corners(centers: Floats, extents: Floats, roundoff: Floats) -> tuple[Floats
 
 def _bounded(rows: Floats, boxes: Floats) -> NDArray[np.bool_]:
     """Which obstacles (m,) lie in a box."""
-    return np.isin(rows[:, t.KIND], BOUNDED) & (rows[:, t.SIGN] > 0.0) & np.isfinite(boxes).all(axis=1)
+    ends = np.where(rows[:, t.KIND] < t.TREE, np.isfinite(rows[:, t.EXTENT]), rows[:, t.KIND] == t.TREE)
+    return ends & (rows[:, t.SIGN] > 0.0) & np.isfinite(boxes).all(axis=1)
 
 
 def hierarchy(rows: Floats, boxes: Floats, beside: Collection[int] = ()) -> Floats:

@@ -423,6 +423,16 @@ class HalfSpace(Primitive):
         return None
 
 
+PRIMITIVES: dict[str, type[Primitive]] = {
+    "sphere": Sphere,
+    "box": Box,
+    "capsule": Capsule,
+    "cylinder": Cylinder,
+    "half_space": HalfSpace,
+}
+"""Exact obstacles by what problem files call them, see `Obstacle.kind`; tests ask for each of them everywhere."""
+
+
 def indices_of(kinds: type | tuple[type, ...], obstacles: Sequence[Obstacle]) -> list[int]:
     """Indices of the obstacles that are of these kinds; `isinstance` would ask each of them what it derives from."""
     own = [type(obstacle) for obstacle in obstacles]

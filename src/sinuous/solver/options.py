@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 
 from sinuous.base import checks
 from sinuous.base.arguments import Number, OneEach, Truth, Whole
-from sinuous.base.errors import InputError, refuse_unknown
+from sinuous.base.errors import InputError, refuse_unknown, shown, suggested
 from sinuous.methods.method import Choice, name_of
 from sinuous.model.robot import Robot, demanding
 from sinuous.problem.problem import Preferences
@@ -53,14 +53,13 @@ def read_without(names: object) -> tuple[str, ...]:
         Where one is not known.
     """
     given = (names,) if isinstance(names, str) else names
-    expected = "names of attempts: " + ", ".join(ATTEMPTS)
     if not isinstance(given, list | tuple | set | frozenset):
-        raise InputError("without", "", names, expected)
+        raise InputError("without", "", names, "names of attempts: " + ", ".join(ATTEMPTS))
     off = set()
     for name in given:
         now = RENAMED_ATTEMPTS.get(name, name) if isinstance(name, str) else None
         if now not in ATTEMPTS:
-            raise InputError("without", "is not known", name, expected)
+            raise InputError("without", f"unknown attempt {shown(name)}", name, suggested(name, ATTEMPTS))
         if now != name:
             warnings.warn(f"attempt {name!r} is {now!r} now", DeprecationWarning, stacklevel=2)
         off.add(now)

@@ -356,7 +356,7 @@ class Reach(NotebookMixin, Frozen):
         InputError
             When it is no such file.
         """
-        with read_archive(file, "reach", (FORMAT,), "a map of a workspace") as data:
+        with read_archive(file, "reach", (FORMAT,), "a map that Reach.save or sinuous reach --out wrote") as data:
             own = {name: data[name] for name in ARRAYS} | {name: float(data[name]) for name in NUMBERS}
             own["voxels"] = Voxels(data["first"], float(data["spacing"]), own["verdicts"].shape[:3])
             own["names"] = tuple(map(str, data["names"].tolist()))

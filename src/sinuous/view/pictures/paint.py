@@ -10,7 +10,7 @@ import numpy as np
 
 from sinuous.base.checks import Floats
 from sinuous.scene.mesh import Mesh
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
+from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.view.display.bounds import Bounds, direction_of
 from sinuous.view.display.contents import Arm
 from sinuous.view.display.style import METAL, OBSTACLE, THINNEST_SHARE, Viewpoint
@@ -143,9 +143,6 @@ BODY_FACETS_AROUND = 20
 MANY_OBSTACLES, FEWER_AROUND = 12, 22
 """From so many obstacles on, each has fewer facets around."""
 
-SOLIDS = (Sphere, Box, Capsule, Cylinder)
-"""Obstacles that are closed where the picture cuts them; rooms and half-spaces stay open."""
-
 CLIPPED_SHARE = 0.06
 """Longest side of the facets of an obstacle that goes on beyond the picture, as a share of the picture."""
 
@@ -176,7 +173,8 @@ def obstacle_walls(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
             surface = obstacle_surface(obstacle, bounds.middle, 2.0 * bounds.span, around)
             facets = facets_of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
             if (facets < bounds.low).any() or (facets > bounds.high).any():
-                solid = isinstance(obstacle, SOLIDS) and not obstacle.inside
+                # Rooms, half-spaces and meshes stay open where the picture cuts them.
+                solid = isinstance(obstacle, Primitive) and obstacle._box is not None and not obstacle.inside
                 facets = split_facets(clip_facets(facets, bounds.low, bounds.high, solid), CLIPPED_SHARE * bounds.span)
             walls.append(Walls(facets, isinstance(obstacle, Mesh)))
     return walls

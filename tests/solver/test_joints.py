@@ -16,8 +16,10 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES, VERDICT
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
+from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, measure_rates
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 from sinuous.solver.certificates.steps import Prover
+from tests.helpers import kernel_problem
 
 PANDA = [
     (0.0, 0.333, 0.0, (-2.8973, 2.8973)),
@@ -254,6 +256,21 @@ def test_motions_that_are_proved_clear_are_so_and_by_as_much(name: str) -> None:
             assert clearance_of(robot, q, centers, 0.05) >= answer[CLEARANCES + PROVED_BOUND] - 1e-9
             assert least_self_gap(robot, q) >= answer[CLEARANCES + CLEARANCES_WIDTH + PROVED_BOUND] - 1e-9
     assert proved >= 3
+
+
+def test_no_place_of_a_link_travels_farther_than_its_bound() -> None:
+    """Of a long link, the last one of two, beyond which nothing is."""
+    first = Revolute((0.0, 0.0, 1.0), (-3.0, 3.0))
+    body = [((0.0, 0.0, 0.0), (0.0, 2.0, 0.5), 0.1)]
+    robot = sn.Robot(joints=[first, Revolute((1.0, 0.0, 0.0), (-3.0, 3.0), sn.pose((0.0, 0.0, 1.0)), body=body)])
+    rng = rng_of("travel")
+    limits = kernel_problem(robot, sn.Target((0.0, 1.0, 1.0))).limits
+    for _ in range(5):
+        one, other = drawn(robot, rng), drawn(robot, rng)
+        bound = measure_rates(limits, one, other, np.zeros((len(one), MOTION_RATES_WIDTH)))
+        way = [places_of(robot, one + t * (other - one))[-1][1] for t in np.linspace(0.0, 1.0, 40)]
+        travelled = np.linalg.norm(np.diff(way, axis=0), axis=-1).sum(axis=0).max()
+        assert 0.0 < travelled <= bound
 
 
 def test_a_plan_moves_all_links_past_obstacles() -> None:

@@ -4,6 +4,8 @@ How obstacles move in a step, as kernels read it, against poses that SciPy inter
 """
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
-from sinuous.kernels.certificate.drift import BEGIN, TURN, TURNED, VELOCITY
+from sinuous.kernels.certificate.drift import BEGIN, OWN_AXES, TURN, TURNED, VELOCITY, measure_paces
 from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, UNTIL, VERDICT, certify_motions
 from sinuous.kernels.certificate.sweep import (
     CLEARANCES_WIDTH,
@@ -208,3 +210,21 @@ def test_drifts_lead_from_pose_to_pose() -> None:
         assert not way[still].any()
         assert not turn[still].any()
         assert len(own.times) == 1 or (np.linalg.norm(way[~still], axis=1) > 0.0).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_comes_nearer_to_what_is_in_reach_faster_than_its_pace(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    drifts = np.zeros((1, OWN_AXES + 9))
+    begin, velocity, turn, base = rng.normal(size=(4, 3))
+    for column, vector in ((BEGIN, begin), (VELOCITY, velocity), (TURN, turn)):
+        drifts[0, column : column + 3] = vector
+    sweep: Any = SimpleNamespace(paces=np.zeros((1, 5)))
+    moved: Any = SimpleNamespace(drifts=drifts)
+    most, far = measure_paces(moved, tuple(base), 1.5, sweep)
+    at = begin + np.linspace(0.0, 1.0, 50)[:, None, None] * velocity
+    away = rng.normal(size=(200, 3))
+    within = base + 1.5 * away / np.linalg.norm(away, axis=1)[:, None]
+    paces = np.linalg.norm(velocity + np.cross(turn, within - at), axis=-1)
+    assert 0.3 * most < paces.max() <= most
+    assert np.linalg.norm(at, axis=-1).max() <= far

@@ -7,6 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.kernels import tables as t
+from sinuous.kernels.body.pieces import FEW, MANY, few_near, near
 from sinuous.kernels.fields import distances
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, LOWER_BOUND, UPPER_BOUND
 from sinuous.scene.obstacles import Obstacle, Primitive
@@ -87,6 +88,23 @@ def test_the_closest_obstacle_is_the_first_of_those_that_are_as_close(cells: boo
                         assert found == expected
                     else:
                         assert found[0] >= reach
+
+
+@pytest.mark.parametrize("cells", [False, True])
+def test_those_are_listed_that_are_near(cells: bool) -> None:
+    rng = np.random.default_rng(1)
+    own, plain = both(sn.Scene(many(rng)), cells)
+    among, expected = np.zeros((2, len(own.table)), np.int64)
+    counts = set()
+    for p in map(vec, places(15, rng)):
+        for reach in (0.05, 0.5, 3.0):
+            count, few = near(plain, p, reach, expected)[0], few_near(own, p, reach, among)[0]
+            assert few == (count if count <= FEW else MANY)
+            assert near(own, p, reach, among)[0] == count
+            np.testing.assert_array_equal(among[:count], expected[:count])
+            counts.add(count)
+    assert min(counts) <= 1
+    assert max(counts) > FEW
 
 
 @pytest.mark.parametrize("count", [60, 100, 200])  # so the first step of a walk goes one, two and three levels down

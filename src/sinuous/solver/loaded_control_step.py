@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.kernels import packing
+from sinuous.base.progress import LOOK
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES as OF_PROOF
 from sinuous.kernels.certificate.query import UNTIL, VERDICT
@@ -62,6 +62,11 @@ class KnownShape(NamedTuple):
     tensions: Floats
 
 
+def new_answer(q: Floats, room: int) -> Floats:
+    """Room for an answer about a drive (n, 3), with so many constraints."""
+    return np.zeros(t.CONFIGURATION + q.size + t.ACTIVE_WIDTH * room)
+
+
 class LoadedControlStep:
     """Makes control steps of one robot under load in one scene.
 
@@ -71,8 +76,6 @@ class LoadedControlStep:
     scene : Snapshot
     tolerance : Tolerance
         With numbers, within which several steps end.
-    avoids_itself : bool
-        Whether the body must not run through itself, where the robot asks for that.
 
     Attributes
     ----------
@@ -80,14 +83,11 @@ class LoadedControlStep:
         The lines under load, as active constraints number them after the actuators that have a limit or a rate.
     """
 
-    def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance, avoids_itself: bool = True) -> None:
+    def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         own = body_of(robot)
         self._robot, self.scene, self._own = robot, scene, own
-        own_group, arcs = (
-            packing.robot_parts(each._group)._replace(avoids_itself=float(avoids_itself and each.avoids_itself)).group()
-            for each in (robot, longest_body(robot))
-        )
-        self._groups = own_group, arcs, scene._kernel_group, settings_group(robot, tolerance)
+        arcs, settings = longest_body(robot)._group, settings_group(robot, tolerance)
+        self._groups = robot._group, arcs, scene._kernel_group, settings
         self._stretches = stretches_allowed(robot)
         self._limited = bool(np.isfinite(self._stretches).any())
         self._tables = own.sections, self._stretches, own.carried, own.line_table.copy(), own.slopes
@@ -102,7 +102,7 @@ class LoadedControlStep:
         self, asked: StepQuery, start: Floats, limits: RateLimits, dt: float, velocity: Floats | None, room: int
     ) -> Floats:
         """Return the answer of a step (see `kernels.velocity.query`), with room for so many constraints."""
-        answer = np.zeros(t.CONFIGURATION + start.size + t.ACTIVE_WIDTH * room)
+        answer = new_answer(start, room)
         begin = self._known(start)
         if begin is None:
             return self._stay(answer, start)
@@ -180,7 +180,15 @@ class LoadedControlStep:
         self._work = kernel.loaded_step(*groups, *self._tables, follow, *at, space, tip, answer)
         return answer[t.CONFIGURATION : t.CONFIGURATION + begin.q.size].reshape(begin.q.shape).copy(), tip
 
-    def _certify(self, answer: Floats, asked: StepQuery, begin: KnownShape, q: Floats) -> None:
+    def judge(self, answer: Floats, asked: StepQuery, at: KnownShape, seconds: float) -> Floats:
+        """Find the body at a drive anew, prove it, and fill what is known of it; returns tensions (m,), NaN of none."""
+        self._work, result = seconds / LOOK, np.full(len(self._robot.drive), np.nan)
+        self._certify(answer, asked, at, at.q, False)
+        if answer[t.START] != kernel.NO_BODY:
+            result[self._own.lines.actuators] = self._last.tensions
+        return result
+
+    def _certify(self, answer: Floats, asked: StepQuery, begin: KnownShape, q: Floats, moves: bool = True) -> None:
         """Prove the way to a drive (n, 3), and fill what is known of it; see `kernel.certify_step`."""
         robot, arcs, scene, settings = self._groups
         lines = self._follow
@@ -190,7 +198,7 @@ class LoadedControlStep:
         both, held, states, tensions = (np.array([known, np.zeros_like(known)]) for known in begin)
         both[1] = q
         groups, way = (robot, arcs, scene, settings, asked.targets), (both, held, states, tensions)
-        self._work = kernel.certify_step(*groups, *self._tables, lines, *way, self._work, self._space, answer)
+        self._work = kernel.certify_step(*groups, *self._tables, lines, *way, moves, self._work, self._space, answer)
         if answer[t.START] != kernel.NO_BODY:
             self._last = KnownShape(both[1], held[1], states[1], tensions[1])
 

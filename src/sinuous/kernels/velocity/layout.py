@@ -30,8 +30,9 @@ ASKED_KIND, ASKED_TWIST, ASKED_ROUNDS, ASKED_WISH, ASKED_SECONDS, ASKED_ACTUATOR
     12,
 )
 """Places in the header: TARGETS, POSITION or POSE; the motion of the tip (6): rotation (rad) and displacement (length
-unit), in world axes; most Newton steps; the clearance up to which the body is pushed away from obstacles; seconds for
-all; how many rows of actuators there are; and how many bounds and constraints of the working set there is room for."""
+unit), in world axes; most Newton steps; the clearance up to which the body is pushed away from obstacles, negative
+where contacts do not matter; seconds for all; how many rows of actuators there are; and how many bounds and constraints
+of the working set there is room for."""
 
 HEADER = 13
 

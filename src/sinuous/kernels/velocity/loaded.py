@@ -229,6 +229,7 @@ def loaded_step(
     if math.isnan(x[0, 0]) and not _find_body(work.body, start, x, tensions):
         answer[k.ROUNDS] = answer[k.ACTIVE] = 0.0
         answer[k.POSITION_ERROR] = answer[k.ANGLE_ERROR] = math.inf
+        k.write_end(work, answer)
         return 0.0
     _begin_with(work.body, start, x, tensions)
     k.set_free(problem, work)
@@ -297,11 +298,14 @@ def certify_step(
     held: Array,
     x: Array,
     tensions: Array,
+    moves: bool,
     units: float,
     workspace: Array,
     answer: Array,
 ) -> float:
     """Find the equilibrium at the end of a way, and prove the way there as far as it is within all limits and clear.
+
+    Unless it `moves`, only what is at the end is proved, and clearances that are not proved are those that were seen.
 
     Of the `Way` its first shape is known. `of_lines` (t, 3 n + 1) are those of the end, the rest as for `loaded_step`.
     Fills the end of the way, and of `answer` the verdict (`query.START`: CLEAR, NO_BODY, TENSE, or what the proof came
@@ -324,8 +328,11 @@ def certify_step(
     if not _settle(own, way):
         answer[k.START] = NO_BODY
         return work_left(work.sweep.clock)
-    _judge(problem, work, own, way, answer)
-    answer[k.START], answer[k.STEP_FRACTION] = _certify_way(problem, own, way, seen, rest)
+    answer[k.START] = verdict = _judge(problem, work, own, way, answer)
+    if moves:
+        if verdict != CLEAR:
+            answer[k.CLEARANCE] = answer[k.SELF_CLEARANCE] = -math.inf
+        answer[k.START], answer[k.STEP_FRACTION] = _certify_way(problem, own, way, seen, rest)
     return work_left(work.sweep.clock)
 
 
@@ -348,8 +355,11 @@ def _find_body(own: RestingBody, q: Array, x: Array, tensions: Array) -> bool:
     return is_stable(own.record)
 
 
-def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: Array) -> None:
-    """Fill proved clearances of the body where it was just found at rest, the end of a way, and errors of targets."""
+def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: Array) -> int:
+    """Fill clearances of the body where it was just found at rest, the end of a way, and errors of targets.
+
+    Returns the verdict about it.
+    """
     put_ends(own.sections, own.space.frames, work.frames)
     state = State(work.q, work.frames, work.columns, work.rows, work.none[0])
     at, off, turn, merit = 0, 0.0, 0.0, 0.0
@@ -360,9 +370,8 @@ def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: 
         merit += work.rows.value[i] * work.rows.value[i]
     answer[k.MERIT], answer[k.POSITION_ERROR], answer[k.ANGLE_ERROR] = merit, off, turn
     unroll(way.x[1], own.arcs.trial)
-    verdict, clearance, itself = k.look_at(own.problem, own.arcs, own.arcs.trial)
-    answer[k.CLEARANCE] = clearance if verdict == CLEAR else -math.inf
-    answer[k.SELF_CLEARANCE] = itself if verdict == CLEAR else -math.inf
+    verdict, answer[k.CLEARANCE], answer[k.SELF_CLEARANCE] = k.look_at(own.problem, own.arcs, own.arcs.trial)
+    return verdict
 
 
 @shared

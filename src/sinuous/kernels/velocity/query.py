@@ -157,16 +157,16 @@ def _farthest(problem: Problem, asked: StepRequest, control: Control, mu: float)
     return min(CONTACT_LOOKAHEAD * measure_travel(problem.limits, control, control.body), problem.unit)
 
 
-def _may_touch(problem: Problem) -> bool:
-    """Whether there is anything that the body may touch."""
-    return bool(number_of(problem.scene) > 0 or problem.avoids_itself)
+def _may_touch(problem: Problem, asked: StepRequest) -> bool:
+    """Whether there is anything that the body must not touch."""
+    return bool(asked.wish >= 0.0 and (number_of(problem.scene) > 0 or problem.avoids_itself))
 
 
 def _put_bounds(problem: Problem, asked: StepRequest, control: Control, start: Array, mu: float) -> tuple[int, float]:
     """Write all bounds but those of single segments; returns their number, and the largest lack of a gap."""
     keep = problem.margin
     wish = max(asked.wish, keep)
-    ahead = _farthest(problem, asked, control, mu) if _may_touch(problem) else 0.0
+    ahead = _farthest(problem, asked, control, mu) if _may_touch(problem, asked) else 0.0
     own, gaps = ContactGaps(keep, keep, keep + ahead), ContactGaps(keep, wish, wish + ahead)
     count, lack = _list_bounds(problem, asked, control, control.body, start, own, gaps)
     return count, max(0.0, lack)
@@ -185,6 +185,8 @@ def _list_bounds(
     if resting is not None:
         first = add_actuators(asked, control, start, 0)
         first = add_tensions(problem, control, resting, first, asked.actuators.shape[0])
+        if not _may_touch(problem, asked):
+            return first, 0.0
         return add_resting_contacts(problem, control, resting, own, gaps, first)
     count, least = add_self_contacts(problem, control, own, 0)
     count = add_actuators(asked, control, start, count)
@@ -235,7 +237,7 @@ def advance(
         copy(control.q, control.trial)
         return 0, 0, (off, turn)
     while rounds < asked.rounds and not late(control.sweep.clock):
-        derive_body(problem, control, control.body, asked.rounds == 1 or _may_touch(problem))
+        derive_body(problem, control, control.body, asked.rounds == 1 or _may_touch(problem, asked))
         mu = LEAST_DAMPING
         if asked.kind == v.MEET_TARGETS:
             mu = max(LEAST_DAMPING, DAMPING * easing * merit)

@@ -29,8 +29,8 @@ LOOSE = 0.3
 WISHED = 0.02
 """Clearance that is preferred where no room is asked for, in mean lengths of a segment."""
 
-FINEST = 3e-4
-"""Length below which the proof of an edge gives up, in robot lengths: another edge is tried sooner than that."""
+FINEST = 1e-6
+"""Length below which the proof of an edge gives up, in robot lengths: an edge may begin near to contact."""
 
 KEPT = 64
 """Thicker robots that are kept in memory."""

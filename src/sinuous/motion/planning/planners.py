@@ -16,7 +16,7 @@ from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.path_pacing import pace_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
-from sinuous.motion.planning.retraction import KINDS, Retraction
+from sinuous.motion.planning.retraction import FIRST, KINDS, Retraction
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.timed_tree import grow_timed_tree
 from sinuous.motion.planning.tree import Chain
@@ -34,14 +34,15 @@ FIRST_DRAWS = 64
 MORE_DRAWS = 256
 """The same in all, before goals are drawn back a little."""
 
-LAST_DRAWS = 1024
-"""The same in all, before the first turn that draws an end back as far as that goes."""
+LAST_DRAWS, LAST_DRAWS_OF_LINKS = 512, 1024
+"""The same in all, before the first turn that draws an end back as far as that goes; and of arms of links alone, which
+do not slide along themselves."""
 
 FIRST_GOALS = 2
 """Goals that are drawn back a little."""
 
 FIRST_STEPS = 16
-"""By how many steps."""
+"""By how many steps, as long as none has to be shorter than the first."""
 
 DRAWS = 256
 """Draws of trees in the first turn; in each turn they are planted anew, with twice as many."""
@@ -145,7 +146,7 @@ class PlanSearch:
         yield path or self._between_ends((0, FIRST_DRAWS))
         yield self._between_ends((FIRST_DRAWS, MORE_DRAWS))
         yield self._from_little_back()
-        yield self._between_ends((MORE_DRAWS, LAST_DRAWS))
+        yield self._between_ends((MORE_DRAWS, LAST_DRAWS if query.robot.segments else LAST_DRAWS_OF_LINKS))
         for turn in count():
             if query.deadline.left() <= 0.0:
                 return
@@ -168,7 +169,7 @@ class PlanSearch:
         query, path = self._query, None
         for goal in self._goals[FIRST_GOALS - 1 :: -1] if query.robot.segments else ():
             made = Retraction(self._local, goal, 0, query.start)
-            made.run(FIRST_STEPS)
+            made.run(FIRST_STEPS, FIRST)
             path = path or self._join([query.start], [made.knots], query.seed, FIRST_DRAWS)
         return path
 

@@ -77,10 +77,15 @@ class Retraction:
         self.left = float(self._along[-1])
         self.knots = [q]
 
-    def run(self, steps: int = MOST_STEPS) -> bool:
-        """Draw the body back by so many steps, also such as fail, while there is time; say whether it is done."""
+    def run(self, steps: int = MOST_STEPS, shortest: float = 0.0) -> bool:
+        """Draw the body back by so many steps, also such as fail, while there is time; say whether it is done.
+
+        It stops where steps would be shorter than `shortest` (robot lengths).
+        """
         unit = self._local.robot.mean_length
         for _ in range(steps):
+            if self._step < shortest * unit:
+                break
             if self.left <= ENOUGH * unit or self._stuck == WAYS or self._local.deadline.left() <= 0.0:
                 return True
             if self._goes_to(max(0.0, self.left - self._step)):

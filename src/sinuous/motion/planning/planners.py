@@ -69,6 +69,9 @@ STRAIGHT_GOALS = 4
 SEEDS = 4
 """Seeds with which paths past obstacles that stand still are planned, to be paced."""
 
+MOMENTS = 5
+"""Times at all of which obstacles that move are taken for standing still, before."""
+
 SHARE = 0.1
 """Share of the time left that planning a path to be paced may take."""
 
@@ -278,8 +281,10 @@ def _untimed_paths(query: TimedQuery) -> Iterator[Floats]:
     for goal in goals[:STRAIGHT_GOALS]:
         yield np.stack([query.start, goal])
     still = standing(query.scene)
-    for seed in range(SEEDS):
-        q = _untimed_path(query, still, query.seed + seed)
+    moments = [query.scene.at(t) for t in np.linspace(query.begin, query.end, MOMENTS).tolist()]
+    everywhere = Snapshot((*still.obstacles, *(there.obstacles[i] for i in query.scene.courses for there in moments)))
+    for seed, scene in enumerate([everywhere, *[still] * SEEDS]):
+        q = _untimed_path(query, scene, query.seed + seed)
         if q is not None and len(q) > 2:
             yield q
 

@@ -32,13 +32,19 @@ def _called(solver: Solver, initial: Any, unsolved: str, lead: bool, goals: Goal
     return q.astype(kind), change.astype(kind)
 
 
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
 def _answered(solver: Solver, initial: Any, unsolved: str, lead: bool, goals: Goals) -> tuple[Any, Any]:
-    """Configurations and derivatives as constants of a trace."""
+    """Configurations and derivatives, which have no derivatives of their own."""
     front = lead_of(*(goals.get(key) for key in ("positions", "directions", "rotations")))
     n, kind = len(solver.robot), next(iter(goals.values())).dtype
     shapes = tuple(jax.ShapeDtypeStruct((*front, n, 3, *more), kind) for more in ((), (3 * len(goals),)))
     called = partial(_called, solver, initial, unsolved, lead)
     return jax.pure_callback(called, shapes, goals, vmap_method="broadcast_all")
+
+
+@_answered.defjvp
+def _refuse_second(*_: Any) -> Any:
+    raise NotImplementedError("sinuous.jax.solve has no second derivatives; expected those of first order alone")
 
 
 def _ways(goals: Goals, tangents: Goals) -> list[Any]:
@@ -50,6 +56,19 @@ def _ways(goals: Goals, tangents: Goals) -> list[Any]:
     if "rotations" in goals:
         parts.append(0.5 * jnp.cross(goals["rotations"], tangents["rotations"], axis=-2).sum(axis=-1))
     return parts
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
+def _solve(solver: Solver, initial: Any, unsolved: str, lead: bool, goals: Goals) -> Any:
+    return _answered(solver, initial, unsolved, lead, goals)[0]
+
+
+@_solve.defjvp
+def _moved(
+    solver: Solver, initial: Any, unsolved: str, lead: bool, goals: tuple[Goals], tangents: tuple[Goals]
+) -> tuple[Any, Any]:
+    q, change = _answered(solver, initial, unsolved, lead, *goals)
+    return q, jnp.einsum("...kcp,...p->...kc", change, jnp.concatenate(_ways(*goals, *tangents), axis=-1))
 
 
 def solve(
@@ -94,13 +113,12 @@ def solve(
     ------
     InputError
         When an argument is not what it should be.
+    NotImplementedError
+        When a second derivative is asked for.
     NotSolvedError
         When a goal is not solved; within `jax.jit` and `jax.vmap` JAX raises an error of its own with this text.
     """
     lead_of(positions, directions, rotations)
     given = {"positions": positions, "directions": directions, "rotations": rotations}
     goals = {key: jnp.asarray(value) for key, value in given.items() if value is not None}
-    held = jax.lax.stop_gradient(goals)
-    q, change = _answered(solver, initial, check_unsolved(unsolved), lead, held)
-    moves = jnp.concatenate(_ways(held, {key: goals[key] - held[key] for key in goals}), axis=-1)
-    return q + jnp.einsum("...kcp,...p->...kc", change, moves)
+    return _solve(solver, initial, check_unsolved(unsolved), lead, goals)

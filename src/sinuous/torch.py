@@ -22,7 +22,7 @@ from sinuous.solver.solver import Solver
 
 
 class _Solve(torch.autograd.Function):
-    """Solve goals. Nothing flows through it: derivatives are its second output, and `solve` multiplies by them."""
+    """Solve goals. Nothing flows through it: derivatives are its second output, and `_Follow` multiplies by them."""
 
     generate_vmap_rule = False
 
@@ -59,6 +59,57 @@ class _Solve(torch.autograd.Function):
             for each, dim in zip(inputs[:3], in_dims[:3], strict=True)
         ]
         return _Solve.apply(*goals, *inputs[3:]), (0, 0)
+
+
+class _Once(torch.autograd.Function):
+    """Derivatives (..., n, 3, p) at goals, which have no derivatives of their own."""
+
+    generate_vmap_rule = True
+
+    @staticmethod
+    def forward(change: Tensor, *goals: Tensor | None) -> Tensor:
+        """Return the derivatives."""
+        return change.clone()
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        """Keep nothing."""
+
+    @staticmethod
+    def backward(ctx: Any, *_: Any) -> Any:
+        """Refuse what would be taken for 0."""
+        raise NotImplementedError("sinuous.torch.solve has no second derivatives; expected those of first order alone")
+
+    jvp = backward
+
+
+class _Follow(torch.autograd.Function):
+    """Configurations that move by their derivatives as goals move."""
+
+    generate_vmap_rule = True
+
+    @staticmethod
+    def forward(q: Tensor, change: Tensor, moves: Tensor, *goals: Tensor | None) -> Tensor:
+        """Return the configurations (..., n, 3): `moves` (..., p) are 0."""
+        return q.clone()
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        """Keep derivatives, and where they are those."""
+        _, change, _, *goals = inputs
+        ctx.save_for_backward(change, *goals)
+        ctx.save_for_forward(change, *goals)
+
+    @staticmethod
+    def backward(ctx: Any, grad: Tensor) -> Any:
+        """Return the gradient by `moves`."""
+        change = _Once.apply(*ctx.saved_tensors)
+        return None, None, torch.einsum("...kcp,...kc->...p", change, grad), None, None, None
+
+    @staticmethod
+    def jvp(ctx: Any, _: Any, __: Any, moves: Tensor, *___: Any) -> Tensor:
+        """Return how configurations move."""
+        return torch.einsum("...kcp,...p->...kc", _Once.apply(*ctx.saved_tensors), moves)
 
 
 def _array(tensor: Any) -> Any:
@@ -110,6 +161,8 @@ def solve(
     ------
     InputError
         When an argument is not what it should be.
+    NotImplementedError
+        When a second derivative is asked for.
     NotSolvedError
         When a goal is not solved.
     """
@@ -117,7 +170,7 @@ def solve(
     given = positions, directions, rotations
     held = [None if each is None else each.detach() for each in given]
     q, change = _Solve.apply(*held, solver, initial, check_unsolved(unsolved), lead)
-    return q + torch.einsum("...kcp,...p->...kc", change, _moves(given, held))
+    return _Follow.apply(q, change, _moves(given, held), *given)
 
 
 def _moves(given: Sequence[Tensor | None], held: Sequence[Tensor | None]) -> Tensor:

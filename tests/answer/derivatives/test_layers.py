@@ -1,5 +1,6 @@
 """Layers of learning libraries: gradients agree with theirs on free kinematics, in both modes, over batches."""
 
+import importlib
 from functools import cache
 from typing import Any
 
@@ -10,7 +11,7 @@ import sinuous as sn
 from sinuous.answer.derivatives.many import HostGoals, solved
 from tests.helpers import Floats, refused
 
-pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit:DeprecationWarning")  # PyTorch calls it itself
+pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit")  # PyTorch calls it itself
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0)
 
@@ -181,3 +182,26 @@ def test_jax_takes_directions_and_rotations() -> None:
     np.testing.assert_allclose(
         (jax.grad(turned)(tip[:3, :3]) * moved).sum(), asked.vjp(weights)["target"] @ way, atol=1e-12
     )
+
+
+@pytest.mark.parametrize(
+    "modes", [("jacrev", "jacrev"), ("jacfwd", "jacrev"), ("jacrev", "jacfwd"), ("jacfwd", "jacfwd")]
+)
+@pytest.mark.parametrize("library", ["torch", "jax"])
+def test_second_derivatives_are_refused(library: str, modes: tuple[str, str]) -> None:
+    """Of positions and directions, in all modes; they would be 0."""
+    pytest.importorskip(library)
+    layer = importlib.import_module(f"sinuous.{library}")
+    if library == "jax":
+        tools = importlib.import_module("jax")
+        tools.config.update("jax_enable_x64", True)
+        given = GOALS[0], DIRECTIONS[0]
+    else:
+        tools = importlib.import_module("torch").func
+        given = tuple(importlib.import_module("torch").tensor(each[0]) for each in (GOALS, DIRECTIONS))
+    outer, inner = (getattr(tools, mode) for mode in modes)
+    for number in range(2):
+        first = inner(lambda p, d: layer.solve(exact_solver(), p, directions=d), number)
+        assert np.asarray(first(*given)).any()
+        with pytest.raises(NotImplementedError, match="has no second derivatives"):
+            outer(first, number)(*given)

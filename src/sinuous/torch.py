@@ -1,6 +1,6 @@
 """Inverse kinematics as a function of PyTorch: gradients flow through answers, past limits and obstacles.
 
-Tried with PyTorch 2.13. It needs the extra `torch`; nothing else of the package imports it.
+Tried with PyTorch 2.13 and 2.14. It needs the extra `torch`; nothing else of the package imports it.
 """
 
 from collections.abc import Sequence

@@ -57,7 +57,8 @@ SHARE_AMONG_BALLS = 2.0
 better than scattered starts, and take longer than they are said to (spheres 40, spheres 100)."""
 
 SHARE_AMONG_MANY = 0.2
-"""The same among so many obstacles that there is a tree over them: hardly any scattered start gets through (rods)."""
+"""The same among so many obstacles, balls or not, that there is a tree over them: hardly any scattered start gets
+through (rods, sheets)."""
 
 SCATTERED_FIRST = 3
 """Scattered starts before any route is looked for, where that takes longer than they do: beside meshes, unless these
@@ -311,8 +312,10 @@ def attempts_of(
     passages : callable, optional
         See `Strategy.batches`.
     """
-    share = SHARE_AMONG_MANY if question.problem.scene.has_hierarchy else SHARE
-    if searches is not None and searches.only_balls(question.problem):
+    share = SHARE
+    if question.problem.scene.has_hierarchy:
+        share = SHARE_AMONG_MANY
+    elif searches is not None and searches.only_balls(question.problem):
         share = SHARE_AMONG_BALLS
     attempts = AttemptQueue(question, scattered, share, without)
     query = None if searches is None else searches.query(question.problem)

@@ -395,9 +395,6 @@ MOST_JUNCTIONS = 4
 WIDTH_OF_HALVES = 16
 """Width of beams without a route up to which they are grown to the middle only."""
 
-MOST_MEETINGS = 4
-"""Most junctions of beams without a route that are one wide; with their width goes its square root."""
-
 MEETINGS_OF_A_LENGTH = 16
 """The same for each number of segments from the base, where `MOST_JUNCTIONS` are looked at along a route."""
 
@@ -474,12 +471,15 @@ class JoinedChains:
         yield from self._given([*self._wholes(ahead, self._groups), *self._wholes(behind, self._other)])
 
     def chains_that_meet(self, width: int) -> Iterator[Floats]:
-        """Yield chains (n, 3) of beams from both ends that nearly meet: without a route, where they meet is chance."""
+        """Yield chains (n, 3) of beams from both ends that nearly meet: without a route, where they meet is chance.
+
+        Up to as many as a beam is wide are tried: that takes a quarter of what the beams themselves take.
+        """
         if self._other is None:
             return
         most = self._n // 2 + 1 if width <= WIDTH_OF_HALVES else self._n
         ahead, behind = self._ahead(width, most=most), self._behind(self._other, width, most=most)
-        yield from self._joined(ahead, behind, round(MOST_MEETINGS * math.sqrt(width)), loose=True)
+        yield from self._joined(ahead, behind, width, loose=True)
 
     def _ahead(self, width: int, open_from: float = math.inf, most: int | None = None) -> GrownChains:
         """Chains from the base."""

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 import sinuous as sn
 from tests.helpers import Floats, random_rotation, refused, refused_each, with_each
+from tests.scene.shapes import cube, together
 
 OBSTACLES = [
     sn.Sphere((0, 0, 0), 1),
@@ -188,3 +189,14 @@ def test_a_cloud_that_is_replaced_has_exact_distances_in_whatever_order() -> Non
         scene.update(fresh)
         expected = cKDTree(fresh).query(probes)[0] - 0.02
         np.testing.assert_allclose(scene.distance(probes), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [47, 48])
+def test_a_scene_is_crowded_by_bodies_however_they_are_given(count: int) -> None:
+    """As obstacles, or as pieces of one solid; pieces of a shell are no bodies."""
+    cubes = [cube(center=(3.0 * i, 0.0, 0.0)) for i in range(count)]
+    boxes = [sn.Box((3 * i, 0, 0), (1, 1, 1)) for i in range(count)]
+    for obstacles in ([sn.Mesh(*together(*cubes))], boxes):
+        assert sn.Scene(obstacles).snapshot().is_crowded == (count == 48)
+    opened = [(vertices, faces[1:]) for vertices, faces in cubes]
+    assert not sn.Scene([sn.Mesh(*together(*opened), thickness=0.1)]).snapshot().is_crowded

@@ -202,6 +202,12 @@ class Snapshot(Surroundings, Frozen):
         rows, store = packing.scene_parts(self._kernel_group)
         return len(rows) >= t.MANY_OBSTACLES and bool(store[t.HIERARCHY_OBSTACLES] == len(rows))
 
+    @property
+    def is_crowded(self) -> bool:
+        """Whether there are as many bodies as make a hierarchy, be they obstacles or pieces of solids."""
+        solids = (own for own in self.obstacles if isinstance(own, Mesh) and own.watertight)
+        return self.has_hierarchy or sum(solid.piece_count for solid in solids) >= t.MANY_OBSTACLES
+
     def list_near(self, place: Floats, reach: float, radius: float) -> None:
         """Note who is near, in cells about a place (3,): what kernels find is the same, and found several times sooner.
 

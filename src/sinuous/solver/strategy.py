@@ -57,7 +57,7 @@ SHARE_AMONG_BALLS = 2.0
 better than scattered starts, and take longer than they are said to (spheres 40, spheres 100)."""
 
 SHARE_AMONG_MANY = 0.2
-"""The same among so many obstacles, balls or not, that there is a tree over them: hardly any scattered start gets
+"""The same among so many bodies, balls or not, that a scene is crowded: hardly any scattered start gets
 through (rods, sheets)."""
 
 SCATTERED_FIRST = 3
@@ -68,7 +68,7 @@ CELLS_A_START = 250
 """Cells that a search examines in the time of one scattered start (halls, doors)."""
 
 CELLS_A_START_AMONG_MANY = 2500
-"""The same among so many obstacles that there is a tree over them (rods, sheets)."""
+"""The same among so many bodies that a scene is crowded (rods, sheets)."""
 
 PRIORITY_AFTER_EDGES = 14
 """Priority of the first search over cells, where a route around edges is known: what is tried along that comes before
@@ -113,7 +113,7 @@ EFFORT_OF_A_GROWN_CHAIN = 1.0
 double as long as there is time."""
 
 EFFORT_AMONG_MANY = 0.4
-"""The same among so many obstacles that there is a tree over them: routes are many, most of them turn too tightly for
+"""The same among so many bodies that a scene is crowded: routes are many, most of them turn too tightly for
 the body, and wide beams find where it can (rods, sheets)."""
 
 UNGUIDED_WIDTHS = (8, 16, 32, 64, 128, 256, 512)
@@ -127,7 +127,7 @@ PRIORITY_UNGUIDED = 2.0
 cells)."""
 
 PRIORITY_AMONG_MANY = 1.7
-"""Priority of beams without a route among so many obstacles that there is a tree over them: there the body can follow
+"""Priority of beams without a route among so many bodies that a scene is crowded: there the body can follow
 hardly any route, but one with room (`RouteCandidates.add_route`), along which chains are grown first (rods, sheets, box
 duct)."""
 
@@ -313,7 +313,7 @@ def attempts_of(
         See `Strategy.batches`.
     """
     share = SHARE
-    if question.problem.scene.has_hierarchy:
+    if question.problem.scene.is_crowded:
         share = SHARE_AMONG_MANY
     elif searches is not None and searches.only_balls(question.problem):
         share = SHARE_AMONG_BALLS
@@ -419,7 +419,7 @@ class RouteAttempts:
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
         self._plans = plans_of(searches)
-        self._many = question.problem.scene.has_hierarchy
+        self._many = question.problem.scene.is_crowded
         self._grown_effort = EFFORT_AMONG_MANY if self._many else EFFORT_OF_A_GROWN_CHAIN
         self._candidates = RouteCandidates(searches, question, query, attempts.without)
         self._passes = 0

@@ -177,7 +177,7 @@ class RouteCandidates:
                 return None
         clear = finest or self._clear(route, self.query)
         weight = 1 + (not clear) + sum(other.clear >= clear for other in self.known)
-        if self._problem.scene.has_hierarchy and not self._has_room(route):
+        if self._problem.scene.is_crowded and not self._has_room(route):
             weight += 1
         self.known.append(RouteCandidate(route, clear, 1 + len(self.known), weight))
         return self.known[-1]
@@ -224,7 +224,7 @@ class RouteCandidates:
         if candidate.rank not in self._chains:
             self._chains[candidate.rank] = JoinedChains(self._groups, legs, self._deadline)
         joined = self._chains[candidate.rank]
-        quick = width == FIRST_WIDTH and self._problem.scene.has_hierarchy  # others are tried before the rest
+        quick = width == FIRST_WIDTH and self._problem.scene.is_crowded  # others are tried before the rest
         for chain in joined.chains_past_all_targets(width) if quick else joined.chains_of_width(width):
             if self._is_new(chain):
                 yield starts_along(chain[None], (candidate.route,))
@@ -246,7 +246,7 @@ class RouteCandidates:
         if longer is None:
             return
         route = np.concatenate([longer[0], *longer[1:, 1:]])
-        if self._problem.scene.has_hierarchy and not self._clear(route, self.query):
+        if self._problem.scene.is_crowded and not self._clear(route, self.query):
             return  # among very many obstacles lines of sight lead through gaps that are too narrow
         yield self._nothing()
         for chain in JoinedChains(self._groups, longer, self._deadline).chains_past_all_targets(FIRST_WIDTH):

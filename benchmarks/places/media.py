@@ -69,6 +69,9 @@ SLAB, PILLAR, PILLARS = (1.25, 1.8), (0.5, 3.0), (10, 30)
 All lengths are in radii of the body.
 """
 
+SLAB_BENDS = (0.2, 0.7)
+"""Bends of a shape between plates, of the largest."""
+
 MOST = 400
 """Obstacles of a place: those nearest to the shape are kept."""
 
@@ -142,7 +145,7 @@ def gyroid(robot: sn.Robot, rng: Generator) -> Sketch:
 def slab(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Bend the shape in a plane between two plates, with pillars beside it."""
     radius = max(robot.radii)
-    found = draw_flat_shape(robot, APART * radius, 0.0, rng)
+    found = draw_flat_shape(robot, APART * radius, 0.0, rng, SLAB_BENDS)
     if found is None:
         return None
     q, curve = found

@@ -267,12 +267,17 @@ FLAT_BENDS, TURNED, FLAT_DRAWS, FLAT_SAMPLES = (0.1, 0.8), 0.35, 40, 9
 one; and frames of a segment."""
 
 
-def draw_flat_shape(robot: sn.Robot, apart: float, plane: float, rng: Generator) -> tuple[Floats, Curve] | None:
-    """Draw a configuration (n, 3) that bends in one plane (rad) and keeps `apart` from itself; and its backbone."""
+def draw_flat_shape(
+    robot: sn.Robot, apart: float, plane: float, rng: Generator, share: tuple[float, float] = FLAT_BENDS
+) -> tuple[Floats, Curve] | None:
+    """Draw a configuration (n, 3) that bends in one plane (rad) and keeps `apart` from itself; and its backbone.
+
+    `share`: range of the bends, of the largest.
+    """
     low, high, most = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
     low = np.where(low == 0.0, LEAST_INSERTION * high, low)
     for _ in range(FLAT_DRAWS):
-        bends = most * rng.uniform(*FLAT_BENDS, len(robot)) * np.cumprod(np.sign(rng.random(len(robot)) - TURNED))
+        bends = most * rng.uniform(*share, len(robot)) * np.cumprod(np.sign(rng.random(len(robot)) - TURNED))
         q = np.stack([bends * math.cos(plane), bends * math.sin(plane), rng.uniform(low, high)], axis=-1)
         curve = curve_of(robot, q, FLAT_SAMPLES)
         if keeps_from_itself(curve, apart):

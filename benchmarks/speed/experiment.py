@@ -1,7 +1,7 @@
 """`python -m benchmarks speed`: every figure that this project claims, measured in one run."""
 
 from benchmarks.harness import Part
-from benchmarks.speed import budgets, endurance, fields, parts, rivals, solves, startup
+from benchmarks.speed import budgets, processes, rivals, scenes, solves
 
 PARTS: dict[str, Part] = {
     "cold": solves.measure,
@@ -10,9 +10,9 @@ PARTS: dict[str, Part] = {
     "rivals": rivals.measure,
     "honesty": solves.false_claims,
     "budgets": budgets.measure,
-    "fields": fields.measure,
-    "parts": parts.measure,
-    "startup": startup.measure,
-    "endurance": endurance.measure,
+    "fields": scenes.measure_meshes,
+    "parts": scenes.measure_parts,
+    "startup": processes.measure_startup,
+    "endurance": processes.measure_endurance,
 }
 """What is measured, in order."""

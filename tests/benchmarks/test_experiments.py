@@ -14,7 +14,7 @@ from benchmarks.clutter import Trial, examine
 from benchmarks.harness import Line, Plan, conduct
 from benchmarks.motion import loops, moving, p5
 from benchmarks.problems import among_spheres, arm, paper_poses
-from benchmarks.speed import endurance, solves
+from benchmarks.speed import processes, solves
 from benchmarks.speed.solves import solve_all
 from benchmarks.ways import WAYS
 from tests.benchmarks.tampering import moved
@@ -148,11 +148,11 @@ def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
         kept.append((solution, bytearray(b"x") * 4000))
         return solution
 
-    assert all(line.held for line in endurance._memory(QUICK, paper_poses()))
+    assert all(line.held for line in processes._memory(QUICK, paper_poses()))
     monkeypatch.setattr(sn.Solver, "solve", forgetful)
     monkeypatch.setattr(Plan, "count", lambda _self, full, _quick: full // 20)
     # What earlier tests have given back may take it all in, so that the process does not grow; Python's count does.
-    _, traced = endurance._memory(Plan(), paper_poses())
+    _, traced = processes._memory(Plan(), paper_poses())
     assert traced.held is False
 
 

@@ -1,18 +1,25 @@
-"""How long a fresh process takes: to import, to help, to solve, and to compile when nothing is in the cache."""
+"""How long a fresh process takes, and whether memory grows over many solves.
+
+To import, to help, to solve, and to compile when nothing is in the cache; `many` measures what a second thread adds.
+"""
 
 import os
 import subprocess
 import sys
 import tempfile
+import tracemalloc
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from itertools import cycle, islice
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
 from benchmarks.harness import Goal, Line, Plan, Times
+from benchmarks.problems import ProblemSet, among_spheres, arm
+from sinuous.solver.solver import Solver
 
-SECTION = "fresh processes, from start to end, with the interpreter's own start"
+FRESH = "fresh processes, from start to end, with the interpreter's own start"
 
 IMPORT = "import sinuous"
 HELP = "import sys; sys.argv = ['sinuous', '--help']; from sinuous.cli.app import main; main()"
@@ -36,7 +43,7 @@ LOAD = 4
 LATER = "the README's command, nothing compiled, against what it takes interpreted (least of several, by turns)"
 
 
-def measure(plan: Plan) -> Iterator[Line]:
+def measure_startup(plan: Plan) -> Iterator[Line]:
     """Medians over a few processes; once each with an empty store."""
     repeats = plan.count(5, 1)
     yield _line("import sinuous", IMPORT, repeats, Goal(0.3))
@@ -55,7 +62,7 @@ def _line(what: str, code: str, repeats: int, goal: Goal) -> Line:
     runs = [_run(code, dict(os.environ)) for _ in range(repeats + 1)][1:]  # the first one warms the disk
     broken = next((run.complaint for run in runs if run.complaint), "")
     times = Times.of([run.seconds for run in runs])
-    return Line(SECTION, what, float("inf") if broken else times.median, "s", goal, times, note=broken)
+    return Line(FRESH, what, float("inf") if broken else times.median, "s", goal, times, note=broken)
 
 
 class _Run(NamedTuple):
@@ -77,7 +84,7 @@ def _run(code: str, environment: dict[str, str]) -> _Run:
 def _first(what: str, code: str) -> Line:
     run = _run_from_nothing(code, "auto")
     note = run.complaint or "nothing was said of compiling" * ("compiled" not in run.said)
-    return Line(SECTION, what, float("inf") if note else run.seconds, "s", Goal(10.0), note=note)
+    return Line(FRESH, what, float("inf") if note else run.seconds, "s", Goal(10.0), note=note)
 
 
 def _run_from_nothing(code: str, mode: str) -> _Run:
@@ -102,3 +109,48 @@ def _busy(count: int) -> Iterator[None]:
             stack.callback(process.wait)
             stack.callback(process.kill)
         yield
+
+
+ENDURANCE = "endurance"
+
+
+def measure_endurance(plan: Plan) -> Iterator[Line]:
+    """Solve again and again among spheres."""
+    yield from _memory(plan, among_spheres(arm(5, 2.4, radius=4.0), 40, plan.count(500, 20), plan.rng(6)))
+
+
+def _memory(plan: Plan, problems: ProblemSet) -> Iterator[Line]:
+    """Growth of what the process holds, and of what Python and NumPy allocated, after a warm-up."""
+    solver = Solver(problems.robot, problems.scene)
+    _one_by_one(solver, problems, 1000)
+    count = plan.count(100_000, 1000)
+    before = _resident()
+    _one_by_one(solver, problems, count)
+    grown = (_resident() - before) / 1024.0
+    note = "" if before else "this system does not say what a process holds"
+    yield Line(
+        ENDURANCE, f"growth of the process over {count} solves", grown, "KiB", Goal(1024.0, correctness=True), note=note
+    )
+    count = plan.count(20_000, 500)
+    tracemalloc.start()
+    try:
+        _one_by_one(solver, problems, 100)
+        traced = tracemalloc.get_traced_memory()[0]
+        _one_by_one(solver, problems, count)
+        grown = (tracemalloc.get_traced_memory()[0] - traced) / 1024.0
+    finally:
+        tracemalloc.stop()
+    yield Line(
+        ENDURANCE, f"growth of traced allocations over {count} solves", grown, "KiB", Goal(64.0, correctness=True)
+    )
+
+
+def _resident() -> int:
+    """Bytes that the process holds in memory; 0 where the system does not say."""
+    listing = Path("/proc/self/statm")
+    return int(listing.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if listing.exists() else 0
+
+
+def _one_by_one(solver: Solver, problems: ProblemSet, count: int) -> None:
+    for target in islice(cycle(problems.targets), count):
+        solver.solve(target)

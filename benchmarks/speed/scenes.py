@@ -1,18 +1,70 @@
-"""Scenes of up to 10,000 parts: what a distance costs by their number, how long they take to prepare, and to change."""
+"""Large scenes: meshes, and up to 10,000 parts.
 
+Of a mesh the time to prepare it, and what it adds to a solve; `motion` replaces clouds in control loops. Of parts what
+a distance costs by their number, how long they take to prepare, and to change.
+"""
+
+import os
+import tempfile
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from operator import itemgetter
-from time import process_time
+from time import perf_counter, process_time
+from unittest.mock import patch
 
 import numpy as np
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Plan
+from benchmarks.places.parts import Surface, ball, solid
+from benchmarks.problems import arm, reachable
+from benchmarks.speed.solves import solve_all
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import MANY_OBSTACLES
 from sinuous.scene.obstacles import Obstacle
 
-SECTION = "parts of a scene, evenly spread, CPU time"
+MESHES = "large meshes"
+SIDES = 224
+"""Of a ball, around and from pole to pole: 99,904 triangles."""
+
+
+def measure_meshes(plan: Plan) -> Iterator[Line]:
+    """Prepare a mesh with and without the samples on disk, and solve beside it."""
+    surface = ball(np.zeros(3), 1.0, plan.count(SIDES, 32))
+    with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, {"XDG_CACHE_HOME": folder}):
+        sn.Scene([solid(ball(np.zeros(3), 1.0, 18), "ball")]).prepare()  # loads the kernels, or compiles them
+        scene = sn.Scene([solid(surface, "ball")])
+        what = f"a mesh of {len(surface.faces)} triangles"
+        seconds = _seconds(scene)
+        note = f"{scene.memory / 1e6:.0f} MB"
+        yield Line(MESHES, f"{what}, sampled", seconds, "s", Goal(10.0), note=note)
+        seconds = _seconds(sn.Scene([solid(surface, "ball")]))
+        yield Line(MESHES, f"{what}, samples from disk", seconds, "s", Goal(1.0))
+        yield from _beside(plan, surface)
+
+
+def _seconds(scene: sn.Scene) -> float:
+    began = perf_counter()
+    scene.prepare()
+    return perf_counter() - began
+
+
+def _beside(plan: Plan, surface: Surface) -> Iterator[Line]:
+    """Solve the same problems without a mesh, and with one out of reach."""
+    free = reachable(arm(5, 2.4, radius=4.0), plan.count(500, 20), plan.rng(11))
+    unit = free.robot.mean_length
+    alone = solve_all(free)
+    far = replace(
+        free, scene=sn.Scene([sn.Mesh(0.4 * unit * surface.vertices + [1.8 * unit, 0.0, 0.0], surface.faces)])
+    )
+    beside = solve_all(far)
+    added = beside.times.median - alone.times.median
+    what = f"{len(surface.faces)} triangles out of reach add to a solve of 5 segments"
+    note = f"{1e6 * alone.times.median:.1f} us without; {beside.complaint}".rstrip("; ")
+    yield Line(MESHES, what, max(added, 0.0), "us", Goal(20e-6), beside.times, beside.solved, note)
+
+
+PARTS_OF_SCENES = "parts of a scene, evenly spread, CPU time"
 COUNTS = (10, 100, 1_000, 10_000)
 POINTS, STEP = 4_000, 0.03
 """Places on the way of a point that distances are asked at, and how far it goes between them."""
@@ -38,24 +90,24 @@ def _block(place: Floats, way: Floats) -> Obstacle:
 KINDS: dict[str, Make] = {"rods": _rod, "boxes": _block}
 
 
-def measure(plan: Plan) -> Iterator[Line]:
+def measure_parts(plan: Plan) -> Iterator[Line]:
     """Ask distances along a way, in scenes of one density."""
     for kind, make in KINDS.items():
         times, cells = list[float](), list[float]()
         for count in COUNTS[: plan.count(len(COUNTS), 3)]:
             scene, prepared = min((_scene(make, count, plan.rng(21)) for _ in range(ROUNDS)), key=itemgetter(1))
             times.append(_asked(scene, count, plan.rng(22)))
-            yield Line(SECTION, f"a distance and its gradient among {count} {kind}", times[-1], "us")
-            yield Line(SECTION, f"preparing {count} {kind}", prepared, "ms", Goal(PREPARED))
+            yield Line(PARTS_OF_SCENES, f"a distance and its gradient among {count} {kind}", times[-1], "us")
+            yield Line(PARTS_OF_SCENES, f"preparing {count} {kind}", prepared, "ms", Goal(PREPARED))
             if count >= MANY_OBSTACLES:
                 listed, again = _listed(scene, count, plan.rng(22))
                 cells.append(again)
-                yield Line(SECTION, f"the same once cells list who is near, {count} {kind}", cells[-1], "us")
-                yield Line(SECTION, f"making these cells, {count} {kind}", listed, "ms")
-            yield Line(SECTION, f"moving one of {count} {kind}", _moved(scene, plan), "ms", Goal(CHANGED))
+                yield Line(PARTS_OF_SCENES, f"the same once cells list who is near, {count} {kind}", cells[-1], "us")
+                yield Line(PARTS_OF_SCENES, f"making these cells, {count} {kind}", listed, "ms")
+            yield Line(PARTS_OF_SCENES, f"moving one of {count} {kind}", _moved(scene, plan), "ms", Goal(CHANGED))
         for what, own in (("", times), (" with cells", cells)):
             factor = max(own) / min(own)
-            yield Line(SECTION, f"dearest over cheapest distance{what}, {kind}", factor, "x", Goal(FACTOR))
+            yield Line(PARTS_OF_SCENES, f"dearest over cheapest distance{what}, {kind}", factor, "x", Goal(FACTOR))
 
 
 def _scene(make: Make, count: int, rng: np.random.Generator) -> tuple[sn.Scene, float]:

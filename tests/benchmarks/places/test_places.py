@@ -106,7 +106,7 @@ def test_a_seed_makes_its_place_again(family: str) -> None:
 )
 def test_a_motion_is_hidden_in_places_to_plan_into(family: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """What `make` has looked at with few samples is clear at others, too, and what stands around is near."""
-    monkeypatch.setattr("benchmarks.judges.motions.A_STEP", 10)
+    monkeypatch.setattr("benchmarks.judges.judge.A_STEP", 10)
     monkeypatch.setattr(known, "LOOKS", 4)
     place = known.make(family, 7)
     radius, gaps = max(place.robot.radii), least_clearance(place.robot, place.scene, place.knots)

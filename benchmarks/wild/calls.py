@@ -17,8 +17,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.wild.experiment import Judged
-from benchmarks.wild.worlds import UNITS, asked, block_surface, demanding, pose_rotation, robot_with_shapes
+from benchmarks.wild.worlds import UNITS, Judged, asked, block_surface, demanding, pose_rotation, robot_with_shapes
 from sinuous.base.checks import Floats
 
 OBSTACLES = (0, 0, 1, 2, 5, 20)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -33,7 +33,7 @@ from benchmarks.judges.judge import (
 from benchmarks.judges.kinematics import measured_body, needed_body, self_body
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import calls, worlds
-from benchmarks.wild.worlds import LIMIT, World, standing
+from benchmarks.wild.worlds import LIMIT, Judged, World, standing
 from sinuous.base.checks import Floats
 from sinuous.statics.rest import bodies_at
 
@@ -74,13 +74,6 @@ class Trial:
     def solved(self) -> bool:
         """Whether it says so, and nothing of it is false."""
         return self.status == sn.Status.SOLVED and not self.false
-
-
-class Judged(NamedTuple):
-    """What came of one motion, or call: whether it is called proved, or ended in an answer; and what is false of it."""
-
-    good: bool
-    false: str
 
 
 def solutions_of(world: World) -> tuple[list[sn.Solution | Exception], list[float]]:

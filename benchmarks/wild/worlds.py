@@ -13,7 +13,7 @@ under load is its equilibrium, looked for anew; that this is at rest is held aga
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -417,6 +417,13 @@ class World:
     truth: sn.Scene | None = None
     time: float = LIMIT
     loaded: bool = False
+
+
+class Judged(NamedTuple):
+    """What came of one motion, or call: whether it is called proved, or ended in an answer; and what is false of it."""
+
+    good: bool
+    false: str
 
 
 def make(seed: int, number: int) -> World:

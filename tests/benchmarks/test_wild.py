@@ -21,13 +21,12 @@ from benchmarks.wild.experiment import (
     OVERLAP,
     SELF_OVERLAP,
     TARGET,
-    Judged,
     Trial,
     examine,
     refuted,
     solutions_of,
 )
-from benchmarks.wild.worlds import World
+from benchmarks.wild.worlds import Judged, World
 from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.statics.rest import bodies_at
 from tests.benchmarks.tampering import moved

@@ -62,7 +62,7 @@ def test_parts_are_those_that_a_pattern_fits(name: str, pattern: str, first: str
         (["speed", "--rounds", "2"], "--rounds"),
         (["table1", "--seed", "-1"], "--seed"),
         (["clutter", "--piece", "labyrinth"], "--piece"),
-        (["speed", "--fast"], "No such option: --fast"),
+        (["speed", "--fast"], "--fast: unknown option"),
         ([], "Missing argument 'NAME'"),
     ],
 )

@@ -3,9 +3,9 @@
 What a package offers stands in its `__init__.py`, by the module that it is in; the stub beside it says the same to type
 checkers. Names and modules that have moved go on working, and warn.
 
-Doors of nouns lead to rooms that import them: `robot.to_urdf()` calls an exporter that the robot does not import.
-A room imports only from rooms that docs/design.md lists before it, also for types. A method that is a door names the
-module that does its work, which is imported when the method is called; its types come from the front door, `sinuous`.
+A room imports only from rooms that docs/design.md lists before it, also for types. A method of a noun that needs a
+later one, as `robot.to_urdf()` needs an exporter, imports it when it is called, by `import_late`; its types come from
+the front door, `sinuous`.
 """
 
 import sys
@@ -118,6 +118,6 @@ class MovedModules:
         sys.modules[old] = import_module(new)
 
 
-def door(module: str) -> Any:
+def import_late(module: str) -> Any:
     """Return a module of the package by its name without `sinuous.`, imported now."""
     return import_module(f"sinuous.{module}")

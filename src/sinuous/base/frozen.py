@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.base.entrance import door
+from sinuous.base.entrance import import_late
 
 LONGEST = 120
 """Letters of a line."""
@@ -207,4 +207,4 @@ class NotebookMixin:
 
     def _repr_html_(self) -> str:
         """HTML for a notebook."""
-        return str(door("view.pictures.reports").html(self))
+        return str(import_late("view.pictures.reports").html(self))

@@ -27,7 +27,7 @@ from sinuous.base.arguments import (
 )
 from sinuous.base.checks import MOST_SEGMENTS, Floats, each_segment, optional_name, refuse_repeated, segment_number
 from sinuous.base.documents import counted, described, write_document
-from sinuous.base.entrance import Renamed, door
+from sinuous.base.entrance import Renamed, import_late
 from sinuous.base.errors import InputError, answers_attributes, listed, number
 from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.kernels import packing, tables
@@ -546,8 +546,8 @@ class Robot(NotebookMixin, Frozen):
         InputError
             When the file cannot be written.
         """
-        chain: sn.files.JointChain = door("files.joint_chain").JointChain(self, joints_per_segment)
-        door("files.joint_chain").write_urdf(file, chain)
+        chain: sn.files.JointChain = import_late("files.joint_chain").JointChain(self, joints_per_segment)
+        import_late("files.joint_chain").write_urdf(file, chain)
         return chain
 
     def to_mjcf(self, file: str | Path, joints_per_segment: Whole = 8, mass: Number = 1.0) -> "sn.files.DrivenChain":
@@ -571,9 +571,11 @@ class Robot(NotebookMixin, Frozen):
             When an argument is not what it should be, nothing can move, or the file cannot be written.
         """
         total = checks.number("mass", mass, above=0.0)
-        chain = door("files.joint_chain").JointChain(self, joints_per_segment)
-        driven: sn.files.DrivenChain = door("files.mjcf").DrivenChain(self, chain, self._inverse.undetermined, total)
-        door("files.mjcf").write_mjcf(file, driven)
+        chain = import_late("files.joint_chain").JointChain(self, joints_per_segment)
+        driven: sn.files.DrivenChain = import_late("files.mjcf").DrivenChain(
+            self, chain, self._inverse.undetermined, total
+        )
+        import_late("files.mjcf").write_mjcf(file, driven)
         return driven
 
     def configuration(
@@ -778,7 +780,7 @@ class Robot(NotebookMixin, Frozen):
     def _rest(
         self, loads: tuple[Load, ...], drive: str, values: Floats, initial: Floats | None
     ) -> "sn.answer.Equilibrium":
-        statics = door("statics.equilibrium")
+        statics = import_late("statics.equilibrium")
         question = statics.EquilibriumQuestion(self, loads, drive, values, initial)
         found: sn.answer.Equilibrium = statics.find_equilibrium(question)
         return found

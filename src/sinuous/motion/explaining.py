@@ -1,4 +1,4 @@
-"""Why a motion ended as it did, and what would help; `Motion.explain` is its door."""
+"""Why a motion ended as it did, and what would help; `Motion.explain` calls it."""
 
 from typing import TYPE_CHECKING
 

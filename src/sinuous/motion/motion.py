@@ -16,7 +16,7 @@ from sinuous.base import checks
 from sinuous.base.arguments import Number, Pair, Reconfigure, Rows, Stack, Vector, Whole
 from sinuous.base.checks import Floats
 from sinuous.base.documents import described, result_of, result_value, write_document
-from sinuous.base.entrance import door
+from sinuous.base.entrance import import_late
 from sinuous.base.errors import InputError, NotSolvedError, answers_attributes, duration, ranges, warn_of
 from sinuous.base.frozen import Frozen, NotebookMixin
 from sinuous.files.joint_chain import Of
@@ -330,7 +330,7 @@ class Motion(NotebookMixin, Frozen):
             When `rates` do not limit all that moves, an argument is not what it should be, or obstacles move: then what
             is proved is proved for its times.
         """
-        trajectory: sn.Trajectory = door("motion.trajectory").timed(self, rates, blend)
+        trajectory: sn.Trajectory = import_late("motion.trajectory").timed(self, rates, blend)
         return trajectory
 
     def reversed(self) -> Self:
@@ -539,7 +539,7 @@ class Motion(NotebookMixin, Frozen):
         InputError
             When `time` is no number of at least 0.
         """
-        found: Explanation = door("motion.explaining").explain_motion(self, _sentence(self), time)
+        found: Explanation = import_late("motion.explaining").explain_motion(self, _sentence(self), time)
         return found
 
     def verify(self) -> "MotionVerification":
@@ -677,7 +677,7 @@ class Motion(NotebookMixin, Frozen):
         InputError
             When the file cannot be read, is of another kind or robot, or its values are those of no configuration.
         """
-        found: Motion = door("motion.reading").read_motion(file, robot, scene)
+        found: Motion = import_late("motion.reading").read_motion(file, robot, scene)
         return found
 
     def to_npz(self, file: str | Path) -> None:

@@ -1,4 +1,4 @@
-"""Control loops: one tick towards a twist or a target, and the best that is reached within given changes.
+"""Control loops: one step towards a twist or a target, and the best that is reached within given changes.
 
 The compiled step is `sinuous.kernels.velocity.query.control_step`; here is what Python hands over to it and reads.
 """
@@ -48,7 +48,7 @@ NO_TARGETS: Floats = np.empty((0, TARGET_WIDTH))
 
 
 class Scratch(NamedTuple):
-    """Arrays that a thread keeps from one tick to the next.
+    """Arrays that a thread keeps from one step to the next.
 
     Attributes
     ----------
@@ -74,9 +74,9 @@ class ControlLoop:
     ----------
     robot : Robot
     scene : Scene
-        Live: every tick sees the obstacles as they are then.
+        Live: every step sees the obstacles as they are then.
     options : SolveOptions
-        Of which the wished clearance counts, and the time of a tick.
+        Of which the wished clearance counts, and the time of a step.
     tolerance : Tolerance
         With numbers for all that is not said.
     """
@@ -105,7 +105,7 @@ class ControlLoop:
         gain: Number = GAIN,
         delay: Whole = 0,
     ) -> Step:
-        """Make one tick; see `Solver.step`."""
+        """Make one step; see `Solver.step`."""
         shape = len(self._robot), 3
         given = q.configuration if isinstance(q, Solution | Step) else q
         own = _numbers("q", self._robot._one_configuration("q", given) if self._robot.joints else given, shape)
@@ -149,7 +149,7 @@ class ControlLoop:
         return Step(wanted, own, answer, observed)
 
     def _loaded(self, scene: Snapshot) -> LoadedControlStep:
-        """What makes the ticks of this thread for a robot under load."""
+        """What makes the steps of this thread for a robot under load."""
         kept: LoadedControlStep | None = getattr(self._local, "loaded", None)
         if kept is None:
             kept = self._local.loaded = LoadedControlStep(self._robot, scene, self._tolerance)
@@ -197,18 +197,18 @@ class ControlLoop:
     def _answer(
         self, scene: Snapshot, asked: StepQuery, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
     ) -> Floats:
-        """Make a tick, of the loaded body where there is one; see `_tick`."""
+        """Make a step, of the loaded body where there is one; see `_advance`."""
         if self._group is None:
             room = a.most_constraints(len(initial))
             return self._loaded(scene)(asked, initial, limits, dt, velocity, room)
-        return self._tick(scene, asked, initial, limits, dt, velocity)
+        return self._advance(scene, asked, initial, limits, dt, velocity)
 
-    def _tick(
+    def _advance(
         self, scene: Snapshot, asked: StepQuery, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
     ) -> Floats:
-        """Make a tick of `dt` seconds from `initial` (n, 3) and return the answer, see `kernels.velocity.query`.
+        """Make a step of `dt` seconds from `initial` (n, 3) and return the answer, see `kernels.velocity.query`.
 
-        `limits` are those of a second; `velocity` (n, 3) is that of the tick before, where accelerations are limited.
+        `limits` are those of a second; `velocity` (n, 3) is that of the step before, where accelerations are limited.
         """
         assert self._group is not None
         table = scene._kernel_group
@@ -228,7 +228,7 @@ class ControlLoop:
     def _tick_within_tensions(
         self, groups: tuple[Floats, Floats, Floats, Floats], scratch: Scratch, initial: Floats, limits: RateLimits
     ) -> Floats:
-        """Make a tick of a robot of which rows of tensions are not linear.
+        """Make a step of a robot of which rows of tensions are not linear.
 
         They are made linear where it begins. Where the way to the end leaves their bounds, these are made tighter by
         somewhat more; at last the robot stays where it is.
@@ -241,7 +241,7 @@ class ControlLoop:
             limits.write_tensions(own, initial, tighter)
             if tried == TIGHTENED:
                 limits.write_still(own)
-                self._local.limits = None  # what is written here is not that of the next tick
+                self._local.limits = None  # what is written here is not that of the next step
             t.control_step(*groups, scratch.group, initial, scratch.workspace, answer)
             end = answer[t.CONFIGURATION : t.CONFIGURATION + initial.size].reshape(initial.shape)
             off = rows.most_between(initial, end) - allowed
@@ -251,7 +251,7 @@ class ControlLoop:
         return answer
 
     def _scratch(self, sizes: tuple[int, int, int, int], limits: RateLimits, dt: float) -> Scratch:
-        """Scratch of this thread, with the limits of such a tick in it; that of the last call is kept."""
+        """Scratch of this thread, with the limits of such a step in it; that of the last call is kept."""
         kept: Scratch | None = getattr(self._local, "scratch", None)
         if kept is None or self._local.sizes != sizes:
             n, m, _, p = self._local.sizes = sizes

@@ -15,11 +15,11 @@ STILL: tuple[float, ...] = (0.0,) * 6
 """No twist."""
 
 FAR = 1e6
-"""A change of a row of tensions that no tick makes, in the length unit."""
+"""A change of a row of tensions that no step makes, in the length unit."""
 
 
 class RateLimits:
-    """How far segments and actuators may move in a second or a tick, as the kernel reads it.
+    """How far segments and actuators may move in a second or a step, as the kernel reads it.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class RateLimits:
             self.actuators = np.concatenate([self.actuators, rows])
 
     def write(self, out: Floats, dt: float) -> None:
-        """Write the rows of segments and actuators for a tick of `dt` s into `out`, as if nothing moved before."""
+        """Write the rows of segments and actuators for a step of `dt` s into `out`, as if nothing moved before."""
         segments, actuators = self._parts(out)
         segments[:], actuators[:] = self.segments, self.actuators
         n = len(segments)
@@ -131,7 +131,7 @@ def _rows(weights: Floats, bounds: Floats) -> Floats:
 
 
 class StepQuery(NamedTuple):
-    """What a tick is asked for.
+    """What a control step is asked for.
 
     Attributes
     ----------

@@ -202,7 +202,7 @@ def test_wrong_ends_are_refused() -> None:
         sn.plan(ROBOT, STRAIGHT, [[0, 0, 1]])
     with pytest.raises(sn.InputError, match=r"^goal\[1\]: expected a Target"):
         sn.plan(ROBOT, STRAIGHT, [sn.Target((0, 0, 3)), 4])  # type: ignore[arg-type]
-    with pytest.raises(sn.InputError, match=r"^robot: expected a Robot"):
+    with pytest.raises(sn.InputError, match=r"^robot: missing; expected a Robot"):
         sn.plan(None, STRAIGHT, STRAIGHT)  # type: ignore[arg-type]
 
 

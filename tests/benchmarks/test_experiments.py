@@ -22,9 +22,9 @@ from tests.benchmarks.tampering import moved
 QUICK = Plan(quick=True)
 
 SMALL = {
+    "motion": ("P5, 3 segments", "known 40 balls, wandering"),
     "speed": ("reachable", "poses", "fields", "cold"),
     "clutter": ("spheres 12", "p4 direction"),
-    "motion": ("P5, 3 segments", "known 40 balls, wandering"),
     "real": ("rod-tpu",),
     "derivatives": ("agreement free",),
     "view": ("files",),

@@ -17,6 +17,7 @@ MIXED = sn.Robot(
         sn.Segment((0.0, 1.0), 1.0),
         sn.Segment(1.0, 0.0),
         sn.Segment(0.7, math.pi),
+        sn.Segment(1.0, (-0.5, 2.0), plane=0.3),
     ]
 )
 
@@ -55,9 +56,10 @@ def test_every_start_keeps_the_limits(seed: int) -> None:
             assert np.isfinite(q).all()
             assert MIXED.excess(q) <= 1e-12
     q = np.full((len(MIXED), 3), np.nan)
-    for most in (math.pi, 2.0 * math.pi):
+    for most in (0.2, math.pi, 2.0 * math.pi):
         scattered(MIXED.limits, int(rng.integers(10**6)), seed, most, q)
         assert MIXED.excess(q) <= 1e-12
+        assert np.hypot(q[:, 0], q[:, 1]).max() <= most * (1.0 + 1e-12)
 
 
 def sequence(seed: int, count: int, robot: sn.Robot = MIXED, most: float = math.pi) -> Floats:

@@ -4,7 +4,7 @@ from collections import namedtuple
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.fields.distances import read_scene
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array
 
 Robot = namedtuple("Robot", ["limits", "actuation", "base", "tool", "avoids_itself"])
@@ -22,16 +22,11 @@ the settings by their names (lengths in the length unit, angles in rad)."""
 
 def read_robot(robot: Array) -> Robot:
     """Take the group of a robot apart."""
-    n, p = int(robot[0]), int(robot[1])
-    actuators = t.ROBOT_HEADER + t.SEGMENT_WIDTH * n
-    poses = actuators + t.ACTUATOR_WIDTH * p
-    return Robot(
-        shaped(robot[t.ROBOT_HEADER : actuators], (n, t.SEGMENT_WIDTH)),
-        shaped(robot[actuators:poses], (p, t.ACTUATOR_WIDTH)),
-        shaped(robot[poses : poses + t.POSE_WIDTH], (1, t.POSE_WIDTH)),
-        shaped(robot[poses + t.POSE_WIDTH : poses + 2 * t.POSE_WIDTH], (1, t.POSE_WIDTH)),
-        robot[2] != 0.0,
-    )
+    limits, rest = cut(robot[t.ROBOT_HEADER :], int(robot[0]), t.SEGMENT_WIDTH)
+    actuation, rest = cut(rest, int(robot[1]), t.ACTUATOR_WIDTH)
+    base, rest = cut(rest, 1, t.POSE_WIDTH)
+    tool, rest = cut(rest, 1, t.POSE_WIDTH)
+    return Robot(limits, actuation, base, tool, robot[2] != 0.0)
 
 
 def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Array) -> Problem:
@@ -57,4 +52,6 @@ def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Ar
 
 def answer_of(answers: Array, i: int, n: int) -> tuple[Array, Array]:
     """Configuration (n, 3) and record (11,) of answer `i` in a batch (m, 11 + 3 n)."""
-    return shaped(answers[i, t.RECORD_WIDTH :], (n, 3)), answers[i, : t.RECORD_WIDTH]
+    record, rest = cut(answers[i], t.RECORD_WIDTH)
+    best, _ = cut(rest, n, 3)
+    return best, record

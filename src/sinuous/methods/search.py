@@ -17,8 +17,6 @@ import math
 from collections import namedtuple
 from collections.abc import Callable
 
-import numpy as np
-
 from sinuous.kernels import tables as t
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, prove
@@ -27,7 +25,7 @@ from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, now, over
 from sinuous.kernels.compile import entry_around, shared
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import ZERO, Array, add, copy, dot, get_vec, norm, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.starts import face, most_distal, single_arc, widest
@@ -62,15 +60,14 @@ def check_size(segments: int, obstacles: int) -> int:
 
 def carve_check(buffer: Array, problem: Problem) -> tuple[Check, Array]:
     """Lay out the scratch of the check at the beginning of `buffer` (`check_size` or more); returns the rest too."""
-    n, m = problem.limits.shape[0], problem.scene.table.shape[0]
-    frames = shaped(buffer[: 12 * (n + 1)], (n + 1, 12))
+    n = problem.limits.shape[0]
+    frames, rest = cut(buffer, n + 1, 12)
     rotation, position = frame(problem.base, 0)
     put_frame(frames, 0, rotation, position)
-    rest = buffer[12 * (n + 1) :]
-    clock = rest[m : m + CLOCK_SIZE].view(np.int64)
-    size = m + CLOCK_SIZE + SPAN_WIDTH * (n + 1)
-    spans = shaped(rest[m + CLOCK_SIZE : size], (n + 1, SPAN_WIDTH))
-    return Check(frames, rest[:m].view(np.int64), clock, spans), rest[size:]
+    among, rest = cut_whole(rest, problem.scene.table.shape[0])
+    clock, rest = cut_whole(rest, CLOCK_SIZE)
+    spans, rest = cut(rest, n + 1, SPAN_WIDTH)
+    return Check(frames, among, clock, spans), rest
 
 
 def has_obstacles(problem: Problem) -> bool:
@@ -210,6 +207,7 @@ def begin_from(problem: Problem, check: Check, start: Start, q: Array) -> int:
     return begin_own(problem, check, number, start.seed, q)
 
 
+@shared
 def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) -> int:
     """Put own start `number` into `q` (n, 3): 0 is the single arc, all others are scattered; returns its source."""
     tip, goal = most_distal(problem)

@@ -2,10 +2,8 @@
 
 from collections import namedtuple
 
-import numpy as np
-
 from sinuous.kernels.chain.kinematics import body_columns, frame
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array, Vec, cross, dot, put_vec, sub
 
 Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", "gain", "innovation"])
@@ -32,18 +30,15 @@ def rows_size(segments: int, capacity: int) -> int:
 
 def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
     """Lay out `count` sets of rows in the beginning of `buffer`; every array has one more axis in front."""
-    c, n, m = count, segments + 1, capacity
-    at = c * n
-    return Rows(
-        shaped(buffer[:at].view(np.int64), (c, n)),
-        shaped(buffer[at : at + c * m].view(np.int64), (c, m)),
-        shaped(buffer[at + c * m : at + c * 7 * m], (c, m, 6)),
-        shaped(buffer[at + c * 7 * m : at + c * 10 * m], (c, m, 3)),
-        shaped(buffer[at + c * 10 * m : at + c * 13 * m], (c, m, 3)),
-        shaped(buffer[at + c * 13 * m : at + c * 14 * m], (c, m)),
-        shaped(buffer[at + c * 14 * m : at + c * 27 * m], (c, m, 13)),
-        shaped(buffer[at + c * 27 * m : at + c * 28 * m], (c, m)),
-    )
+    start, rest = cut_whole(buffer, count, segments + 1)
+    kind, rest = cut_whole(rest, count, capacity)
+    twist, rest = cut(rest, count, capacity, 6)
+    inner, rest = cut(rest, count, capacity, 3)
+    total, rest = cut(rest, count, capacity, 3)
+    value, rest = cut(rest, count, capacity)
+    gain, rest = cut(rest, count, capacity, 13)
+    innovation, rest = cut(rest, count, capacity)
+    return Rows(start, kind, twist, inner, total, value, gain, innovation)
 
 
 def pick_rows(rows: Rows, i: int) -> Rows:

@@ -7,7 +7,7 @@ from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion, carve_sw
 from sinuous.kernels.clock import allow, allow_work, begin, late, work_left
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import read_scene
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import read_robot
 
@@ -51,7 +51,7 @@ def certify_motions(
         allow_work(sweep.clock, units)
     accuracy = Accuracy(slack, finest, 0.0, mount, False)
     for i in range(knots.shape[0] - 1):
-        seen = shaped(answers[i, CLEARANCES:], (2, CLEARANCES_WIDTH))
+        seen, _ = cut(answers[i, CLEARANCES:], 2, CLEARANCES_WIDTH)
         motion = Motion(own.limits, knots[i], knots[i + 1], around, own.avoids_itself, drifts[i])
         if i == 0:
             measure_balls(motion, sweep)

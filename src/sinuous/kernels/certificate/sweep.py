@@ -3,14 +3,12 @@
 import math
 from collections import namedtuple
 
-import numpy as np
-
 from sinuous.kernels.body.pieces import MANY
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.tables import MANY_OBSTACLES
 
@@ -59,51 +57,31 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     are many (`MANY_OBSTACLES`) nothing is listed, and no ball is kept.
     """
     large = m >= MANY_OBSTACLES
-    a = 3 * KNOTS * n
-    b = a + 12 * KNOTS * (n + 1)
-    c = b + SPAN_WIDTH * KNOTS * (n + 1)
-    paces = c + MOTION_RATES_WIDTH * n
-    balls = paces + PACE_WIDTH * m
-    d = balls + BALL_WIDTH * m
-    whole = buffer[d:].view(np.int64)
-    e = n * m
-    f = e + n
-    g = f + n * m
-    h = g + (TIME_LEVELS + 2) * n
-    i = h + m
-    j = i + n * (n + 1) // 2
-    k = j + TIME_LEVELS + 2
-    frames = shaped(buffer[a:b], (KNOTS, n + 1, 12))
+    q, rest = cut(buffer, KNOTS, n, 3)
+    frames, rest = cut(rest, KNOTS, n + 1, 12)
     rotation, position = frame(base, 0)
     for at in range(KNOTS):
         put_frame(frames[at], 0, rotation, position)
-    buffer[paces:balls] = 0.0
-    reach, reached = shaped(whole[:e], (n, m)), whole[e:f]
-    if large:
-        reached[:] = MANY
-    else:
-        buffer[balls:d] = math.inf
-        for at in range(n):
-            reached[at] = m
-            for which in range(m):
-                reach[at, which] = which
-    return Sweep(
-        shaped(buffer[:a], (KNOTS, n, 3)),
-        frames,
-        reach,
-        reached,
-        shaped(whole[f:g], (n, m)),
-        shaped(whole[g:h], (TIME_LEVELS + 2, n)),
-        shaped(buffer[c:paces], (n, MOTION_RATES_WIDTH)),
-        shaped(buffer[b:c], (KNOTS, n + 1, SPAN_WIDTH)),
-        whole[h:i],
-        whole[i:j],
-        whole[j:k],
-        shaped(buffer[paces:balls], (m, PACE_WIDTH)),
-        shaped(buffer[balls:d], (0 if large else m, BALL_WIDTH)),
-        shaped(buffer[:0], (0, DRIFT_WIDTH)),
-        whole[k : k + CLOCK_SIZE],
-    )
+    spans, rest = cut(rest, KNOTS, n + 1, SPAN_WIDTH)
+    rates, rest = cut(rest, n, MOTION_RATES_WIDTH)
+    paces, rest = cut(rest, m, PACE_WIDTH)
+    paces[:] = 0.0
+    balls, rest = cut(rest, 0 if large else m, BALL_WIDTH)
+    balls[:] = math.inf
+    reach, rest = cut_whole(rest, n, m)
+    reached, rest = cut_whole(rest, n)
+    for at in range(n):
+        reached[at] = MANY if large else m
+        for which in range(0 if large else m):
+            reach[at, which] = which
+    near, rest = cut_whole(rest, n, m)
+    counts, rest = cut_whole(rest, TIME_LEVELS + 2, n)
+    looked, rest = cut_whole(rest, m)
+    pairs, rest = cut_whole(rest, n * (n + 1) // 2)
+    left, rest = cut_whole(rest, TIME_LEVELS + 2)
+    still, rest = cut(rest, 0, DRIFT_WIDTH)
+    clock, rest = cut_whole(rest, CLOCK_SIZE)
+    return Sweep(q, frames, reach, reached, near, counts, rates, spans, looked, pairs, left, paces, balls, still, clock)
 
 
 def at_time(q0: Array, q1: Array, t: float, out: Array) -> None:

@@ -136,7 +136,7 @@ PIECES = (
             "kernels.certificate.tip.turn_off",
         ),
     ),
-    Piece("plans", 10, ("kernels.planning.query.plan", "kernels.planning.query.tighten", "kernels.planning.walk.walk")),
+    Piece("plans", 7, ("kernels.planning.query.plan", "kernels.planning.walk.walk")),
     Piece(
         "shapes under load",
         15,

@@ -25,7 +25,7 @@ from sinuous.kernels.fields.hierarchy import (
 from sinuous.kernels.fields.primitives import Patch, primitive
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED, UPPER_BOUND
 from sinuous.kernels.fields.trees import lift
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 
 MANY_HALVES = 4.0
@@ -42,8 +42,8 @@ def read_scene(scene: Array | None) -> Any:
     """Take the group of a scene apart: a `Scene`, or `None` for `None`."""
     if scene is None:
         return None
-    end = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(scene[0])
-    return Scene(shaped(scene[t.SCENE_HEADER : end], (int(scene[0]), t.OBSTACLE_WIDTH)), scene[end:])
+    table, store = cut(scene[t.SCENE_HEADER :], int(scene[0]), t.OBSTACLE_WIDTH)
+    return Scene(table, store)
 
 
 def _own(scene: Scene, i: int, p: Vec) -> Vec:

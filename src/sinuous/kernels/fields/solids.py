@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels import tables
-from sinuous.kernels.compile import entry
+from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.fields import blocks, candidates, discs, grids, trees
 from sinuous.kernels.fields.grids import SampleGrid, grid_of
 from sinuous.kernels.fields.primitives import Patch
@@ -124,6 +124,7 @@ def _interpolate(sign: float, corners: grids.CellCorners, t: Vec, beyond: Vec, s
     return far, scale(1.0 / far, add(beyond, scale(d, along)))
 
 
+@shared
 def evaluate(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     """Distance of `p` to obstacle `i`, asked in this mode, and an upper bound of it: the same where it is exact.
 
@@ -158,6 +159,7 @@ def _look_at_samples(
     return grids.at_least(corners, t, spacing) - gap
 
 
+@shared
 def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
     """Distance of `p` to obstacle `i`, INTERPOLATED or EXACT, and its gradient; `reach` as for `evaluate`.
 
@@ -175,6 +177,7 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, k
     return d, g
 
 
+@shared
 def beside(table: Array, store: Array, i: int, patch: Patch, deviation: float, reach: float) -> tuple[float, Vec]:
     """Lower bound of the distance to obstacle `i` of all within `deviation` of a patch; -inf where none is known.
 

@@ -15,6 +15,7 @@ from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import inline
 from sinuous.kernels.freespace.keys import child_of
 from sinuous.kernels.maths import heap
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 
 CellTable = namedtuple("CellTable", ["index", "size", "parents", "cuts", "distance", "penalized"])
@@ -68,14 +69,14 @@ def carve(buffer: Array, most: int) -> Memory:
     small = buffer[14 * c :]
     rest = small[5 * eighth + (eighth >> 1) :]
     sides = Side(
-        buffer[:c].view(np.int32).reshape((2, c)),
-        buffer[c : 3 * c].reshape((2, c)),
-        buffer[3 * c : 4 * c].view(np.float32).reshape((2, c)),
-        buffer[4 * c : 10 * c].reshape((2, c, 3)),
-        small[: 2 * eighth].view(np.uint8).reshape((2, c)),
-        buffer[10 * c : 12 * c].reshape((2, c)),
-        buffer[12 * c : 13 * c].view(np.int32).reshape((2, c)),
-        rest[:4].view(np.int64).reshape((2, 2)),
+        shaped(buffer[:c].view(np.int32), (2, c)),
+        shaped(buffer[c : 3 * c], (2, c)),
+        shaped(buffer[3 * c : 4 * c].view(np.float32), (2, c)),
+        shaped(buffer[4 * c : 10 * c], (2, c, 3)),
+        shaped(small[: 2 * eighth].view(np.uint8), (2, c)),
+        shaped(buffer[10 * c : 12 * c], (2, c)),
+        shaped(buffer[12 * c : 13 * c].view(np.int32), (2, c)),
+        shaped(rest[:4].view(np.int64), (2, 2)),
     )
     table = CellTable(
         small[2 * eighth : 3 * eighth].view(np.int32),
@@ -86,7 +87,7 @@ def carve(buffer: Array, most: int) -> Memory:
         small[4 * eighth : 5 * eighth].view(np.uint8),
     )
     stack, clock = rest[8 : 8 + STACK].view(np.int64), rest[8 + STACK :][:CLOCK_SIZE].view(np.int64)
-    points = rest[8 + STACK + CLOCK_SIZE :][: 3 * LINE_POINTS].reshape((LINE_POINTS, 3))
+    points = shaped(rest[8 + STACK + CLOCK_SIZE :][: 3 * LINE_POINTS], (LINE_POINTS, 3))
     return Memory(table, sides, points, stack, clock)
 
 

@@ -22,6 +22,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene, work_of_all
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.freespace.band import respace
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
 LEASH_SLACK = 0.9
@@ -134,7 +135,7 @@ def draw_tight(scene: Array, curve: Array, keep: float, seconds: float, workspac
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
     _begin(clock, seconds)
     count = curve.shape[0]
-    spare = workspace[CLOCK_SIZE:][: 3 * count].reshape((count, 3))
+    spare, _ = cut(workspace[CLOCK_SIZE:], count, 3)
     for _ in range(PASSES):
         _pull(obstacles, curve, keep, spare, clock)
         _turn_round(curve)
@@ -237,7 +238,7 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
     _begin(clock, seconds)
     count = a.shape[0]
-    spare = workspace[CLOCK_SIZE:][: 3 * count].reshape((count, 3))
+    spare, _ = cut(workspace[CLOCK_SIZE:], count, 3)
     most = 0.0
     for i in range(count):
         put_vec(spare, i, 0, _off(obstacles, scale(0.5, add(get_vec(a, i, 0), get_vec(b, i, 0))), keep))

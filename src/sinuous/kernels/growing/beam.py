@@ -17,7 +17,7 @@ from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.growing.arcs import ARCS
 from sinuous.kernels.growing.bending import Nearby
 from sinuous.kernels.maths import heap
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array, Mat, Vec
 
 FRAME, LAST_SEGMENT_Q, SEGMENT_BEFORE_Q, PARENT, CHAIN_LENGTH, COST, SCORE, GUIDE_POINT, CHILDREN, END_DISTANCE = (
@@ -62,19 +62,15 @@ def beam_size(obstacles: int, width: int) -> int:
 def carve_beam(levels: Array, buffer: Array, obstacles: int) -> Beam:
     """Lay out the memory of a search, see `beam_size`."""
     width = levels.shape[1]
-    arcs, made = width * ARCS, LAZY * width
-    rest = buffer[made * CHAIN_WIDTH :]
-    numbers, last = rest[4 * arcs :].view(np.int64), rest[5 * arcs + 4 * width + CLOCK_SIZE :]
-    return Beam(
-        levels,
-        shaped(buffer[: made * CHAIN_WIDTH], (made, CHAIN_WIDTH)),
-        shaped(rest[: 3 * arcs], (arcs, 3)),
-        rest[3 * arcs : 4 * arcs],
-        numbers[:arcs],
-        numbers[arcs : arcs + 4 * width],
-        numbers[arcs + 4 * width :][:CLOCK_SIZE],
-        Nearby(last[:obstacles].view(np.int64), last[obstacles:][:obstacles]),
-    )
+    chains, rest = cut(buffer, LAZY * width, CHAIN_WIDTH)
+    arcs, rest = cut(rest, width * ARCS, 3)
+    priority, rest = cut(rest, width * ARCS)
+    items, rest = cut_whole(rest, width * ARCS)
+    buckets, rest = cut_whole(rest, 4 * width)
+    clock, rest = cut_whole(rest, CLOCK_SIZE)
+    numbers, rest = cut_whole(rest, obstacles)
+    until, rest = cut(rest, obstacles)
+    return Beam(levels, chains, arcs, priority, items, buckets, clock, Nearby(numbers, until))
 
 
 def empty_buckets(beam: Beam) -> None:

@@ -6,15 +6,13 @@ does not say: a chain that spends its length as it goes seldom ends up where it 
 
 import math
 
-import numpy as np
-
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, read_scene, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.band import respace
 from sinuous.kernels.growing.guide import SIGHT_EVALUATIONS, Guide, visible
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, copy, get_vec, norm, put_vec, sub
 
 MOST_DETOURS, NUMBERS = 32, 4
@@ -86,8 +84,9 @@ def add_detours(
         The route, evenly spaced, in the length unit: it is changed.
     """
     obstacles, count = read_scene(scene), points.shape[0]
-    clock, away = workspace[:CLOCK_SIZE].view(np.int64), workspace[CLOCK_SIZE:][:count]
-    line = shaped(workspace[CLOCK_SIZE + count :][: 3 * (count + 1)], (count + 1, 3))
+    clock, rest = cut_whole(workspace, CLOCK_SIZE)
+    away, rest = cut(rest, count)
+    line, _ = cut(rest, count + 1, 3)
     begin(clock)
     allow(clock, seconds)
     copy(points, line)

@@ -10,6 +10,23 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 from sinuous.kernels.compile import intrinsic
 
 
+def sizes_in(context: Any, builder: Any, shape: Any, given: Any) -> list[Any]:
+    """The numbers of a tuple of these types of whole numbers, each as an index."""
+    return [context.cast(builder, builder.extract_value(given, i), each, types.intp) for i, each in enumerate(shape)]
+
+
+def array_at(context: Any, builder: Any, kind: Any, data: Any, sizes: list[Any], whole: Any) -> Any:
+    """The contiguous array of such a type and size that begins at `data`, within the array `whole`."""
+    made: Any = make_array(kind)(context, builder)  # type: ignore[no-untyped-call]
+    strides = [whole.itemsize]
+    for size in sizes[:0:-1]:
+        strides.insert(0, builder.mul(size, strides[0]))
+    kept = {name: getattr(whole, name) for name in ("itemsize", "meminfo", "parent")}
+    data = builder.bitcast(data, made.data.type)
+    populate_array(made, data=data, shape=sizes, strides=strides, **kept)  # type: ignore[no-untyped-call]
+    return made._getvalue()
+
+
 def _typed(context: Any, array: Any, shape: Any) -> Any:
     """Say what `shaped` returns, and how it is compiled."""
     if array.layout != "C":
@@ -18,17 +35,8 @@ def _typed(context: Any, array: Any, shape: Any) -> Any:
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         given: Any = make_array(array)(context, builder, arguments[0])  # type: ignore[no-untyped-call]
-        made: Any = make_array(result)(context, builder)  # type: ignore[no-untyped-call]
-        sizes = [
-            context.cast(builder, builder.extract_value(arguments[1], i), each, types.intp)
-            for i, each in enumerate(shape)
-        ]
-        strides = [given.itemsize]
-        for size in sizes[:0:-1]:
-            strides.insert(0, builder.mul(size, strides[0]))
-        parts = {name: getattr(given, name) for name in ("data", "itemsize", "meminfo", "parent")}
-        populate_array(made, shape=sizes, strides=strides, **parts)  # type: ignore[no-untyped-call]
-        return made._getvalue()
+        sizes = sizes_in(context, builder, shape, arguments[1])
+        return array_at(context, builder, result, given.data, sizes, given)
 
     return result(array, shape), build
 

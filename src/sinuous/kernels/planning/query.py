@@ -1,14 +1,12 @@
 """What Python asks of a planner: a path from a start to one of several goals."""
 
-import numpy as np
-
 from sinuous.kernels.certificate.obstacles import keep_reachable, measure_balls
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion, carve_sweep
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import DEADLINE, allow, begin, resume
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths import buffers
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.planning.shortcuts import Exactness, Path, bound_worst, forget_edges, joins, shorten, skip
 from sinuous.kernels.planning.space import Space
@@ -46,15 +44,12 @@ def plan_size(segments: int, nodes: int) -> int:
 
 def _carve_trees(buffer: Array, n: int) -> Trees:
     """Lay out both trees in a buffer, with as many nodes as fit."""
-    q = 3 * n
-    nodes = (buffer.shape[0] - q - 2) // (2 * (q + 1))
-    a, b = 2 * nodes * q, 2 * nodes * (q + 1)
-    return Trees(
-        shaped(buffer[:a], (2, nodes, n, 3)),
-        shaped(buffer[a:b].view(np.int64), (2, nodes)),
-        buffer[b : b + 2].view(np.int64),
-        shaped(buffer[b + 2 : b + 2 + q], (n, 3)),
-    )
+    nodes = (buffer.shape[0] - 3 * n - 2) // (2 * (3 * n + 1))
+    q, rest = buffers.cut(buffer, 2, nodes, n, 3)
+    parents, rest = buffers.cut_whole(rest, 2, nodes)
+    counts, rest = buffers.cut_whole(rest, 2)
+    drawn, rest = buffers.cut(rest, n, 3)
+    return Trees(q, parents, counts, drawn)
 
 
 def nodes_of(workspace: Array, segments: int) -> Array:
@@ -130,18 +125,14 @@ def _prepare(
     mount, _, seconds, _, _, _, _ = asked
     n = own.limits.shape[0]
     sweep = carve_sweep(scratch, own.base, n, around.table.shape[0])
-    levers, seen = workspace[:n], shaped(workspace[n : n + 2 * CLEARANCES_WIDTH], (2, CLEARANCES_WIDTH))
-    rest = workspace[n + 2 * CLEARANCES_WIDTH :]
+    levers, rest = buffers.cut(workspace, n)
+    seen, rest = buffers.cut(rest, 2, CLEARANCES_WIDTH)
+    pair, rest = buffers.cut(rest, 2, n, 3)
     begin(sweep.clock)
     allow(sweep.clock, seconds)
     keep_reachable(own.limits, frame(own.base, 0)[1], around, sweep)
-    pair = shaped(rest[: 6 * n], (2, n, 3))
     measure_balls(Motion(own.limits, pair[0], pair[1], around, own.avoids_itself, sweep.still), sweep)
-    return Space(own, around, mount, levers, sweep, seen), pair, rest[6 * n :]
-
-
-def _exactness(unit: float) -> Exactness:
-    return Exactness(PATH_SLACK, EDGE_SLACK, FINEST_PROOF * unit, FINEST_GUESS * unit, FINEST_UNKNOWN * unit)
+    return Space(own, around, mount, levers, sweep, seen), pair, rest
 
 
 @entry
@@ -149,6 +140,7 @@ def plan(
     robot: Array,
     scene: Array,
     ends: Array,
+    count: int,
     asked: PlanRequest,
     scratch: Array,
     workspace: Array,
@@ -161,11 +153,18 @@ def plan(
     as `certify_motions` does. Returns how many configurations there are; 0: no path was found. When the first draw is
     not 0, the trees of the last call, which are in the same workspace, grow on, and the goals are more goals. `scratch`
     is that of a proof, see `sweep_size`; `workspace` is for some nodes a tree, see `plan_size`.
+
+    With a `count` the first so many of `q` are a path already, all within all limits, between whose neighbours all is
+    clear: of these is left out what can be left out, and the rest is proved.
     """
     own, around = read_robot(robot), read_scene(scene)
-    first = asked[4]
+    unit, first = asked[1], asked[4]
+    exact = Exactness(PATH_SLACK, EDGE_SLACK, FINEST_PROOF * unit, FINEST_GUESS * unit, FINEST_UNKNOWN * unit)
     space, pair, rest = _prepare(own, around, asked, scratch, workspace)
-    trees, path, exact = _carve_trees(rest, own.limits.shape[0]), Path(q, answers), _exactness(asked[1])
+    trees, path = _carve_trees(rest, own.limits.shape[0]), Path(q, answers)
+    if count > 0:
+        forget_edges(path, count)
+        return int(_finish(space, path, count, asked, exact, pair, True)[0])
     if first == 0:
         trees.counts[0] = trees.counts[1] = 0
         plant(trees, 0, ends[0])
@@ -178,25 +177,3 @@ def plan(
         allow(space.sweep.clock, FOR_PROOF * asked[2])
         bound_worst(space, path, count, exact)
     return count
-
-
-@entry
-def tighten(
-    robot: Array,
-    scene: Array,
-    count: int,
-    asked: PlanRequest,
-    scratch: Array,
-    workspace: Array,
-    q: Array,
-    answers: Array,
-) -> int:
-    """Leave out what can be left out of the first `count` of configurations `q` (p, n, 3), and prove the rest.
-
-    All are within all limits, and what lies between neighbours is clear. The rest is as for `plan`.
-    """
-    own, around = read_robot(robot), read_scene(scene)
-    space, pair, _ = _prepare(own, around, asked, scratch, workspace)
-    path = Path(q, answers)
-    forget_edges(path, count)
-    return int(_finish(space, path, count, asked, _exactness(asked[1]), pair, True)[0])

@@ -3,8 +3,6 @@
 import math
 from collections import namedtuple
 
-import numpy as np
-
 from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene, work_of_all
@@ -13,6 +11,7 @@ from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.freespace.query import Query, read_query, route_grid, straight_length
 from sinuous.kernels.maths import buckets
 from sinuous.kernels.maths.buckets import Buckets
+from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array, get_vec, norm, put_vec, sub
 from sinuous.kernels.roadmap.places import put_places
 from sinuous.kernels.roadmap.sight import cuts, cutting, in_sight
@@ -68,17 +67,15 @@ def roadmap_size(points: int) -> int:
 
 def _carve(buffer: Array, points: int) -> Roadmap:
     """Lay out the memory of a search, see `roadmap_size`."""
-    work, spare = buffer[6 * MOST_PLACES :], buffer[6 * MOST_PLACES + RECENT + QUEUE :]
-    return Roadmap(
-        buffer[: 3 * MOST_PLACES].reshape((MOST_PLACES, 3)),
-        buffer[3 * MOST_PLACES : 4 * MOST_PLACES],
-        buffer[4 * MOST_PLACES : 5 * MOST_PLACES].view(np.int64),
-        buffer[5 * MOST_PLACES : 6 * MOST_PLACES].view(np.int64),
-        work[:RECENT].view(np.int64),
-        work[RECENT : RECENT + QUEUE].view(np.int64),
-        spare[: 6 * points].reshape((2 * points, 3)),
-        spare[6 * points :][:CLOCK_SIZE].view(np.int64),
-    )
+    places, rest = cut(buffer, MOST_PLACES, 3)
+    cost, rest = cut(rest, MOST_PLACES)
+    before, rest = cut_whole(rest, MOST_PLACES)
+    done, rest = cut_whole(rest, MOST_PLACES)
+    recent, rest = cut_whole(rest, RECENT)
+    lines, rest = cut_whole(rest, QUEUE)
+    spare, rest = cut(rest, 2 * points, 3)
+    clock, rest = cut_whole(rest, CLOCK_SIZE)
+    return Roadmap(places, cost, before, done, recent, lines, spare, clock)
 
 
 def _queue(roadmap: Roadmap, grid: SearchGrid) -> Buckets:

@@ -4,6 +4,7 @@ import math
 
 from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.compile import shared
 from sinuous.kernels.fields.distances import Scene, at_most
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, norm, scale, sub
 from sinuous.kernels.problem import Problem
@@ -123,6 +124,7 @@ def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bo
     return bool(at_most(scene, place, math.inf) + loose < problem.limits[k, t.RADIUS] - 1e-9 * problem.unit)
 
 
+@shared
 def verdict_of(problem: Problem) -> int:
     """POSSIBLE as far as is known, or what proves the contrary."""
     for i in range(problem.targets.shape[0]):

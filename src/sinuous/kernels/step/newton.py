@@ -14,13 +14,13 @@ from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.compile import shared
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import Scene, coarseness, number_of
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import ZERO, Array, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.kernels.step import states as s
 from sinuous.kernels.step.coupling import couple
-from sinuous.kernels.step.dense import JACOBIAN_WIDTH, are_few, dense_size, dense_step, fill_constraint_jacobian
+from sinuous.kernels.step.dense import JACOBIAN_WIDTH, are_few, dense_step, fill_constraint_jacobian
 from sinuous.kernels.step.states import State, Work, coupling_of, pick
 from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
@@ -143,7 +143,7 @@ def damped_step(table: Array, actuators: Array, state: State, work: Work, mu: fl
         actuation.bind_equalities(actuators, state.q, state.rows)
     n = state.q.shape[0]
     few = not coupled and state.norms[s.PAIRS] == 0.0 and are_few(state.rows, n)
-    jacobian = shaped(work.rest[: dense_size(n)], (n, JACOBIAN_WIDTH))
+    jacobian, _ = cut(work.rest, n, JACOBIAN_WIDTH)
     if few:
         fill_constraint_jacobian(table, state.columns, state.rows, jacobian)
     for _ in range(MOST_BINDINGS):

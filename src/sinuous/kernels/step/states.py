@@ -2,8 +2,6 @@
 
 from collections import namedtuple
 
-import numpy as np
-
 from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
@@ -11,7 +9,7 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.fields.distances import number_of
-from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.dense import dense_size
@@ -58,34 +56,25 @@ def carve(buffer: Array, problem: Problem) -> tuple[State, Work]:
 
 def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, Work]:
     """Lay out workspace as for so many obstacles: with one there is a place for rows along the body."""
-    n, m, c = problem.limits.shape[0], obstacles, STATES
-    capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
-    width = NORMS + MOST_PAIRS * pair_width(n)
-    size = c * (33 * n + 12 + width)
-    frames = shaped(buffer[3 * n * c : (15 * n + 12) * c], (c, n + 1, 12))
+    n, c = problem.limits.shape[0], STATES
+    capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if obstacles > 0 else 0)
+    q, rest = cut(buffer, c, n, 3)
+    frames, rest = cut(rest, c, n + 1, 12)
     rotation, position = frame(problem.base, 0)
     for i in range(c):
         put_frame(frames[i], 0, rotation, position)
-    states = State(
-        shaped(buffer[: 3 * n * c], (c, n, 3)),
-        frames,
-        shaped(buffer[(15 * n + 12) * c : (33 * n + 12) * c], (c, n, 18)),
-        carve_rows(buffer[size:], c, n, capacity),
-        shaped(buffer[(33 * n + 12) * c : size], (c, width)),
-    )
-    rest = buffer[size + c * rows_size(n, capacity) :]
-    own = 19 * n + m + CLOCK_SIZE
-    work = Work(
-        shaped(rest[: 9 * n], (n, 9)),
-        shaped(rest[9 * n : 12 * n], (n, 3)),
-        shaped(rest[12 * n : 15 * n], (n, 3)),
-        shaped(rest[15 * n : 18 * n], (n, 3)),
-        rest[18 * n : 19 * n].view(np.int64),
-        rest[19 * n : 19 * n + m].view(np.int64),
-        rest[19 * n + m : own].view(np.int64),
-        rest[own : own + rest_size(n)],
-    )
-    return states, work
+    columns, rest = cut(rest, c, n, 18)
+    norms, rest = cut(rest, c, NORMS + MOST_PAIRS * pair_width(n))
+    rows = carve_rows(rest, c, n, capacity)
+    _, rest = cut(rest, c * rows_size(n, capacity))
+    root, rest = cut(rest, n, 9)
+    mean, rest = cut(rest, n, 3)
+    own, rest = cut(rest, n, 3)
+    solved, rest = cut(rest, n, 3)
+    bound, rest = cut_whole(rest, n)
+    among, rest = cut_whole(rest, obstacles)
+    clock, rest = cut_whole(rest, CLOCK_SIZE)
+    return State(q, frames, columns, rows, norms), Work(root, mean, own, solved, bound, among, clock, rest)
 
 
 def pick(states: State, i: int) -> State:
@@ -96,12 +85,9 @@ def pick(states: State, i: int) -> State:
 def coupling_of(state: State, work: Work) -> Coupling:
     """Lay out what serves self-contacts of a state."""
     n, m = work.step.shape[0], MOST_PAIRS
-    pull = work.rest[SPAN_WIDTH * (n + 1) :]
-    replies, system = pull[3 * n :], pull[3 * n * (1 + m) :]
-    return Coupling(
-        shaped(state.norms[NORMS:], (m, pair_width(n))),
-        shaped(work.rest[: SPAN_WIDTH * (n + 1)], (n + 1, SPAN_WIDTH)),
-        shaped(pull[: 3 * n], (n, 3)),
-        shaped(replies[: 3 * n * m], (m, n, 3)),
-        shaped(system[: m * (m + 1)], (m, m + 1)),
-    )
+    pairs, _ = cut(state.norms[NORMS:], m, pair_width(n))
+    spans, rest = cut(work.rest, n + 1, SPAN_WIDTH)
+    pull, rest = cut(rest, n, 3)
+    replies, rest = cut(rest, m, n, 3)
+    system, _ = cut(rest, m, m + 1)
+    return Coupling(pairs, spans, pull, replies, system)

@@ -11,7 +11,7 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.certificate.sweep import sweep_size
-from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
+from sinuous.kernels.planning.query import nodes_of, plan, plan_size
 from sinuous.model.robot import Robot, robot_group
 from sinuous.motion.configurations import lever_metric
 from sinuous.motion.planning.query import Deadline, ProvedPath
@@ -61,7 +61,7 @@ class RRTConnect:
             `None` where the trees did not meet, or an edge between them could not be proved in time.
         """
         asked = self._asked(seed, draws, deadline, shortcuts)
-        count = plan(*self._groups, roots, asked, *self._work)
+        count = plan(*self._groups, roots, 0, asked, *self._work)
         path = self._proved(self._q[:count].copy(), self._answers[: count - 1].copy(), deadline) if count else None
         return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else None
 
@@ -71,14 +71,12 @@ class RRTConnect:
             return self._proved(q, unproved(len(q) - 1), deadline)
         self._q[: len(q)] = q
         asked = self._asked(seed, (0, 0), deadline, shortcuts)
-        count = tighten(*self._groups, len(q), asked, *self._work)
+        count = plan(*self._groups, q[:1].copy(), len(q), asked, *self._work)
         return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy(), deadline)
 
     def load(self) -> None:
         """Compile the kernels, or load them."""
-        still, over = np.zeros((1, len(self._robot), 3)), Deadline(0.0)
-        self.grow(still, 0, (0, 0), over)
-        self.shorten(still, 0, over)
+        self.grow(np.zeros((1, len(self._robot), 3)), 0, (0, 0), Deadline(0.0))
 
     @property
     def reached(self) -> Floats:

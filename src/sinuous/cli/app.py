@@ -332,9 +332,10 @@ def _refusal(name: str, error: Any) -> str:
         typed = [name for each in error.ctx.command.get_params(error.ctx) for name in each.opts + each.secondary_opts]
         known = [name for name in typed if name.startswith("-")]
         return str(InputError(option, "unknown option", None, suggested(option, known)))
-    for cause in causes:
-        wanted = WANTED.get(cause["type"].partition("_")[0], cause["msg"].removeprefix("Input should be "))
-        return str(InputError(error.param.opts[0], "", cause["input"], wanted))
+    if causes:
+        first = causes[0]
+        wanted = WANTED.get(first["type"].partition("_")[0], first["msg"].removeprefix("Input should be "))
+        return str(InputError(error.param.opts[0], "", first["input"], wanted))
     return f"{name}: {error.format_message()}"
 
 

@@ -64,9 +64,9 @@ def plan(
     is found is left out. With a target as goal, it is solved from the start first, then from no configuration, and
     more configurations that meet it become goals while the trees grow.
 
-    Where obstacles are `Moving`, the way is one through space and time: the straight line and ways past what stands
-    still are paced, on, waiting or back (Kant & Zucker 1986), then a tree grows forwards in time (LaValle & Kuffner
-    2001). It needs `rates` or a `duration`.
+    Where obstacles are `Moving`, the way is one through space and time: the straight line, and ways past obstacles as
+    they stand at several times or past those that stand still, are paced, on, waiting or back (Kant & Zucker 1986),
+    then a tree grows forwards in time (LaValle & Kuffner 2001). It needs `rates` or a `duration`.
 
     Parameters
     ----------

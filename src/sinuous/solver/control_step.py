@@ -220,12 +220,12 @@ class ControlLoop:
             limits.write_before(scratch.group[a.HEADER :], dt, velocity)
         groups = self._group, table, self._settings, asked.targets
         if limits.tensions is not None and not limits.tensions.linear:
-            return self._tick_within_tensions(groups, scratch, initial, limits)
+            return self._advance_within_tensions(groups, scratch, initial, limits)
         answer = np.empty(scratch.answer)
         t.control_step(*groups, scratch.group, initial, scratch.workspace, answer)
         return answer
 
-    def _tick_within_tensions(
+    def _advance_within_tensions(
         self, groups: tuple[Floats, Floats, Floats, Floats], scratch: Scratch, initial: Floats, limits: RateLimits
     ) -> Floats:
         """Make a step of a robot of which rows of tensions are not linear.

@@ -70,7 +70,7 @@ SEEDS = 4
 """Seeds with which paths past obstacles that stand still are planned, to be paced."""
 
 MOMENTS = 5
-"""Times at all of which obstacles that move are taken for standing still, before."""
+"""Times of a first path that is to be paced: it is planned past obstacles that move as they stand at all of these."""
 
 SHARE = 0.1
 """Share of the time left that planning a path to be paced may take."""
@@ -238,8 +238,9 @@ def _by_proofs(query: Query) -> ProvedPath | None:
 def find_timed_path(query: TimedQuery) -> ProvedPath | None:
     """Find a path in time to one of the goals; `None` when the time is over.
 
-    The straight line is tried at even speed; then straight lines and paths past what stands still are paced; then a
-    tree grows in time. Edges of that tree do not keep limits of acceleration: under these, its branch is paced again.
+    The straight line is tried at even speed; then straight lines, a path past obstacles as they stand at several times,
+    and paths past those that stand still are paced; then a tree grows in time. Edges of that tree do not keep limits of
+    acceleration: under these, its branch is paced again.
     """
     path = None
     if not query.early and query.accelerations is None:

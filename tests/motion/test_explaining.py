@@ -59,3 +59,12 @@ def test_verification_has_the_places_where_it_is_nearest() -> None:
     assert np.linalg.norm(np.array(one.place.position) - BALL.center) == pytest.approx(one.clearance + 10.0, abs=1e-6)
     many = sn.check(ROBOT, SIDES, [BALL])
     assert many.place[0] == one.place
+
+
+def test_where_no_change_was_tried_none_is_said_to_be_in_vain() -> None:
+    wall = sn.Box((0, 0, 124), size=(400, 1, 200))
+    across = sn.plan(ROBOT, SIDES[0] * (1, 1.5, 1), SIDES[1] * (1, 1.5, 1), [wall], time=0.01)
+    assert across.status == sn.Status.TIME_LIMIT
+    said = str(across.explain())
+    assert "No change was tried" in said
+    assert "Nothing" not in said

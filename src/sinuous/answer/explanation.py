@@ -13,7 +13,10 @@ from sinuous.base.documents import result_of
 from sinuous.base.errors import InputError, degrees, number
 from sinuous.base.frozen import NotebookMixin, call
 
-LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
+NONE_TRIED = "no change was tried: "
+"""What `untried` begins with where there was nothing to try."""
+
+LOADED = f"{NONE_TRIED}a result that was read from a file does not say with which options it was found"
 
 MORE = 5.0
 """How many times more time is advised where it was too short, at least a second."""
@@ -83,7 +86,7 @@ class Explanation(NotebookMixin):
         lines += _labelled("held by", in_words(self.binding, self.segments, values=True))
         lines += _labelled("nearly at", in_words(self.nearest, self.segments, values=True))
         lines += _labelled("would help", [str(each) for each in self.remedies])
-        none = self.status is not Status.SOLVED and not self.remedies and self.untried != LOADED
+        none = self.status is not Status.SOLVED and not self.remedies and not self.untried.startswith(NONE_TRIED)
         said = "" if self.obstacles_matter else ALONE, NOTHING if none else "", self.untried
         return "\n".join([*lines, *(f"  {each[0].upper()}{each[1:]}." for each in said if each)])
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from sinuous.answer.binding import Binding
-from sinuous.answer.explanation import Explanation
+from sinuous.answer.explanation import NONE_TRIED, Explanation
 from sinuous.answer.remedies import Remedy
 from sinuous.answer.status import Status
 from sinuous.answer.worst import Worst
@@ -17,7 +17,7 @@ from sinuous.scene.scene import Scene
 if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
 
-UNTRIED = "no change was tried: of this motion only its waypoints are explained"
+UNTRIED = f"{NONE_TRIED}of this motion only its waypoints are explained"
 
 HALVINGS = 7
 """How often the interval is halved in which the thickest body lies."""

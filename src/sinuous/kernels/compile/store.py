@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -174,7 +175,7 @@ class Store(NullCache):
 
     def path(self, signature: Any, codegen: Any) -> Path:
         """File in the store of the code for a signature, for this processor."""
-        return self._folder / self._file_name(signature, Processor(*codegen.magic_tuple()))
+        return self._folder / self._file_name(signature, _processor_of(codegen))
 
     def _file_name(self, signature: Any, target: Processor) -> str:
         """Name of a file; what is linked by others is the same for all processors, only the rest is machine code."""
@@ -187,6 +188,12 @@ class Store(NullCache):
         function = self._function
         named = function.__module__, function.__qualname__
         result.library.origin = (*named, result.signature.args, result.fndesc.mangled_name)
+
+
+@cache
+def _processor_of(codegen: Any) -> Processor:
+    """Return what machine code is made for; LLVM takes a while to tell."""
+    return Processor(*codegen.magic_tuple())
 
 
 def tell(text: str) -> None:

@@ -3,8 +3,8 @@
 The time by which budgets are counted: that of work, as it takes in machine code.
 
 Compiling is no work, and kernels that run as Python take a thousand times as long as they will: so budgets that were
-counted on the wall would find less, the first time, than they find ever after. Kernels count looks (`kernels.clock`),
-and each is worth what it takes in machine code. Every thread has a time of its own.
+counted on the wall would find less, the first time, than they find ever after. Kernels count work units, each worth
+what it takes in machine code (`kernels.clock`). Every thread has a time of its own.
 """
 
 import gc
@@ -161,8 +161,8 @@ def rich_progress(*columns: Any) -> Any:
     return Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)
 
 
-LOOK = 5e-9
-"""Seconds of a look, compiled (see `kernels.clock`)."""
+WORK_UNIT = 5e-9
+"""Seconds of a work unit, compiled (see `kernels.clock`)."""
 
 PAUSE = 0.05
 """Seconds between two questions whether an interpreted call is to be abandoned."""
@@ -178,7 +178,7 @@ class _Call:
         When it began, by the time of work.
     end : callable
         Says whether it is to be abandoned.
-    looks : int
+    units : int
         Until now.
     asked : float
         When `end` was asked last, by `time.perf_counter`.
@@ -186,7 +186,7 @@ class _Call:
 
     since: float
     end: Callable[[], bool]
-    looks: int = 0
+    units: int = 0
     asked: float = -math.inf
 
 
@@ -214,7 +214,7 @@ def work_time() -> float:
         call.asked = now
         if call.end():
             raise AbandonedError
-    return call.since + LOOK * call.looks
+    return call.since + WORK_UNIT * call.units
 
 
 def interpreting() -> bool:
@@ -222,15 +222,15 @@ def interpreting() -> bool:
     return _call() is not None
 
 
-def looked(looks: int) -> None:
-    """Count looks of the interpreted call that is under way."""
+def count_work(units: int) -> None:
+    """Count work units of the interpreted call that is under way."""
     if (call := _call()) is not None:
-        call.looks += looks
+        call.units += units
 
 
 @contextmanager
-def counting_looks(end: Callable[[], bool] = lambda: False) -> Iterator[None]:
-    """Let time be what looks are worth: kernels are interpreted within.
+def counting_work(end: Callable[[], bool] = lambda: False) -> Iterator[None]:
+    """Let time be what work units are worth: kernels are interpreted within.
 
     Raises
     ------
@@ -244,11 +244,11 @@ def counting_looks(end: Callable[[], bool] = lambda: False) -> Iterator[None]:
     try:
         yield
     except AbandonedError:
-        call.looks = 0  # it is done again
+        call.units = 0  # it is done again
         raise
     finally:
         del _calls[get_ident()]
-        _left_out.set(perf_counter() - call.since - LOOK * call.looks)
+        _left_out.set(perf_counter() - call.since - WORK_UNIT * call.units)
 
 
 @contextmanager

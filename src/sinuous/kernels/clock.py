@@ -21,7 +21,7 @@ from typing import Any
 
 from numba import types
 
-from sinuous.base.progress import LOOK, looked, work_time
+from sinuous.base.progress import WORK_UNIT, count_work, work_time
 from sinuous.kernels.compile import interpreted_as, shared
 from sinuous.kernels.maths.vectors import Array
 
@@ -143,7 +143,7 @@ def allow(clock: Array, seconds: float) -> float:
 
 def allow_work(clock: Array, units: float) -> None:
     """Allow so many work units from now on, however long they take."""
-    clock[DEADLINE] = -int(max(0.0, min(units, LONGEST / LOOK)))
+    clock[DEADLINE] = -int(max(0.0, min(units, LONGEST / WORK_UNIT)))
     clock[WORK] = 0
 
 
@@ -182,7 +182,7 @@ def spend(clock: Array, units: int) -> bool:
 
 @interpreted_as(spend)
 def _spend_work(clock: Array, units: int) -> bool:
-    looked(units)
+    count_work(units)
     clock[WORK] += units
     return clock[WORK] >= STRIDE and over(clock)
 

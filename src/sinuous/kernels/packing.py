@@ -20,7 +20,7 @@ from sinuous.kernels import tables as t
 ITERATIONS = 60
 """Most iterations from one start."""
 
-LOOK_DEPTH = 0
+COARSE_DEPTH = 0
 """How often a segment is halved in the search for contacts where starts are compared at a glance."""
 
 STEP_DEPTH = 3
@@ -356,7 +356,7 @@ def settings_group(
         t.MARGIN: MARGIN * unit,
         t.POSITION_TOLERANCE: position_tolerance,
         t.ANGLE_TOLERANCE: angle_tolerance,
-        t.COARSE_DEPTH: LOOK_DEPTH,
+        t.COARSE_DEPTH: COARSE_DEPTH,
         t.STEP_DEPTH: STEP_DEPTH,
         t.MAX_ITERATIONS: ITERATIONS,
         t.INITIAL_WEIGHT: start_weight,

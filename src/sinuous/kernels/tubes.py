@@ -47,7 +47,7 @@ AXIS_CLEARANCE = 0.85
 """Distance from the obstacles that the axis has at least."""
 
 MOST_SPACING = 1.0
-"""Largest spacing of samples that the axis is found by. All lengths in radii of the body but for `ASIDE`."""
+"""Largest spacing of samples that the axis is found by. All lengths in radii of the body."""
 
 RETRACED_POINTS = 5
 """Points that are found again with exact distances where a tube ends by samples."""
@@ -76,7 +76,7 @@ def reach(scene: Scene, p: Vec, direction: Vec, radius: float, mode: int) -> flo
     return gone
 
 
-def _look_around(scene: Scene, p: Vec, ahead: Vec, radius: float, mode: int) -> tuple[int, Vec]:
+def _probe_around(scene: Scene, p: Vec, ahead: Vec, radius: float, mode: int) -> tuple[int, Vec]:
     """How many rays across the unit vector `ahead` meet a wall, and how far it is to the middle between walls."""
     a, b = across(ahead)
     count, middle = 0, (0.0, 0.0, 0.0)
@@ -103,7 +103,7 @@ def next_beside(scene: Scene, p: Vec, ahead: Vec, sizes: tuple[float, float], mo
     `sizes` are the radius, and how far the axis may be from `p`.
     """
     radius, most = sizes
-    hits, middle = _look_around(scene, p, ahead, radius, mode)
+    hits, middle = _probe_around(scene, p, ahead, radius, mode)
     if hits < ENCLOSED:
         return MOUTH, p
     p = add(p, _limited(middle, most))
@@ -142,7 +142,7 @@ def follow_from(
             ahead = _ahead(points, count, ahead)
             continue
         if ended == MOUTH and count > 1:
-            hits, _ = _look_around(scene, add_scaled(beside, MOUTH_DEPTH * radius, ahead), ahead, radius, EXACT)
+            hits, _ = _probe_around(scene, add_scaled(beside, MOUTH_DEPTH * radius, ahead), ahead, radius, EXACT)
             return count, MOUTH if hits <= OPEN_RAYS else BRANCH
         if ended != UNENDED:
             return count, NO_TUBE if count == 1 else ended
@@ -275,7 +275,7 @@ def _follow_both(scene: Scene, behind: Vec, radius: float, clock: Array, points:
     return back - 1 + forth, through and _is_open(scene, last, add_scaled(begun, radius, ahead), radius)
 
 
-def _look(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Found) -> Found:
+def _find_behind(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Found) -> Found:
     """Look for a tube behind the second face of an edge, off its first one. What ends at a wall is found, too."""
     points, ends, clock = tables
     tubes, count, vain = found
@@ -295,11 +295,11 @@ def _look(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Fo
     return tubes, count, vain + 1
 
 
-def _look_both(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Found) -> Found:
+def _find_on_both_sides(scene: Scene, edge: Edge, radius: float, tables: TubeTables, found: Found) -> Found:
     """Look for a tube on either side of an edge."""
     place, one, other = edge
-    found = _look(scene, (place, one, other), radius, tables, found)
-    return _look(scene, (place, other, one), radius, tables, found)
+    found = _find_behind(scene, (place, one, other), radius, tables, found)
+    return _find_behind(scene, (place, other, one), radius, tables, found)
 
 
 def _of_box(scene: Scene, i: int, radius: float, tables: TubeTables, found: Found) -> Found:
@@ -312,7 +312,7 @@ def _of_box(scene: Scene, i: int, radius: float, tables: TubeTables, found: Foun
             b = scale(-1.0 if corner & 2 else 1.0, axis_of(scene.table, i, v))
             p = add_scaled(middle, scene.table[i, HALF_EXTENTS + u] + scene.table[i, ROUNDING_RADIUS], a)
             p = add_scaled(p, scene.table[i, HALF_EXTENTS + v] + scene.table[i, ROUNDING_RADIUS], b)
-            found = _look_both(scene, (p, a, b), radius, tables, found)
+            found = _find_on_both_sides(scene, (p, a, b), radius, tables, found)
     return found
 
 
@@ -361,5 +361,5 @@ def find_tubes(
         if obstacles.table[i, KIND] == BOX and obstacles.table[i, SIGN] > 0.0:
             found = _of_box(obstacles, i, radius, tables, found)
     for i in range(edges.shape[0]):
-        found = _look_both(obstacles, _of_edge(edges, i), radius, tables, found)
+        found = _find_on_both_sides(obstacles, _of_edge(edges, i), radius, tables, found)
     return found[0]

@@ -228,7 +228,7 @@ def ask_body(robot: Robot, q: Floats, targets: Sequence[Target]) -> BodyQuestion
     if not robot.has_external_load:
         return BodyQuestion(robot, q, tuple(targets), robot.labels)
     own, found = body_of(robot), robot.shape(q)
-    rolls = np.cumsum(found.states[:, t.TWIST])
+    rolls = np.cumsum(found.states[:, t.TORSION])
     asked = [_turned(target, robot, int(own.ends[robot.end_row(target.segment) - 1]), rolls) for target in targets]
     return BodyQuestion(found.body, found.arcs, tuple(asked), [robot.labels[k] for k in own.owners], found)
 

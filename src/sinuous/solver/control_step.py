@@ -258,7 +258,7 @@ class ControlLoop:
             constraints = a.most_constraints(n)
             group = np.empty(a.HEADER + limits.segments.size + limits.actuators.size)
             answer = t.CONFIGURATION + 3 * n + t.ACTIVE_WIDTH * constraints
-            kept = Scratch(group, np.empty(a.tick_size(*sizes)), (a.most_bounds(n, m, p), constraints), answer)
+            kept = Scratch(group, np.empty(a.control_size(*sizes)), (a.most_bounds(n, m, p), constraints), answer)
             self._local.scratch, self._local.limits = kept, None
         if self._local.limits is not limits or self._local.dt != dt:
             limits.write(kept.group[a.HEADER :], dt)

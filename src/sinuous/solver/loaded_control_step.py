@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.base.progress import LOOK
+from sinuous.base.progress import WORK_UNIT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES as OF_PROOF
 from sinuous.kernels.certificate.query import UNTIL, VERDICT
@@ -182,7 +182,7 @@ class LoadedControlStep:
 
     def judge(self, answer: Floats, asked: StepQuery, at: KnownShape, seconds: float) -> Floats:
         """Find the body at a drive anew, prove it, and fill what is known of it; returns tensions (m,), NaN of none."""
-        self._work, result = seconds / LOOK, np.full(len(self._robot.drive), np.nan)
+        self._work, result = seconds / WORK_UNIT, np.full(len(self._robot.drive), np.nan)
         self._certify(answer, asked, at, at.q, False)
         if answer[t.START] != kernel.NO_BODY:
             result[self._own.lines.actuators] = self._last.tensions

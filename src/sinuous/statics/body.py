@@ -252,7 +252,7 @@ def _load_table(robot: "Robot", ends: NDArray[np.intp], loads: Sequence[Load]) -
 
 def unrolled(states: Floats) -> Floats:
     """Bodies (..., N, 3) as robots of arcs, in states (..., N, 4): bends turned so that none is twisted."""
-    twists = states[..., t.TWIST]
+    twists = states[..., t.TORSION]
     turns = np.cumsum(twists, axis=-1) - twists
     cosine, sine = np.cos(turns), np.sin(turns)
     result = np.empty((*twists.shape, 3))

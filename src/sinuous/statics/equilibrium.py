@@ -109,14 +109,14 @@ class Equilibrium(Frozen):
     @cached_property
     def body(self) -> "Robot":
         """The body as a robot of arcs, one segment each: `arcs` is its shape. It has no drive, and no load."""
-        return body_robot(self.robot, self.states[:, t.LENGTH], float(self.states[:, t.TWIST].sum()))
+        return body_robot(self.robot, self.states[:, t.LENGTH], float(self.states[:, t.TORSION].sum()))
 
     @cached_property
     def poses(self) -> Floats:
         """Poses (rows, 4, 4) of the ends of all rows in the world, as `Robot.forward` gives those without load."""
         ends = body_of(self.robot).ends
         frames = self.body.forward(self.arcs)[ends]
-        rolls = np.cumsum(self.states[:, t.TWIST])[ends]
+        rolls = np.cumsum(self.states[:, t.TORSION])[ends]
         return frames @ np.stack([rolled(float(angle)) for angle in rolls])
 
     @property

@@ -74,7 +74,7 @@ class Rest:
         from sinuous.kernels.statics.answers import answer  # noqa: PLC0415
 
         own, found, over = self.tables, self.found, 1.0 / steps
-        stiffness = own.arcs[:, [t.BEND_STIFFNESS, t.BEND_STIFFNESS, t.TWIST_STIFFNESS, t.STRETCH_STIFFNESS]]
+        stiffness = own.arcs[:, [t.BEND_STIFFNESS, t.BEND_STIFFNESS, t.TORSION_STIFFNESS, t.STRETCH_STIFFNESS]]
         given = np.array([np.where(np.isinf(stiffness), each.states - own.states, 0.0) for each in beside])
         arcs, loads = np.array([each.arcs for each in beside]), np.array([each.loads for each in beside])
         others = arcs, loads, np.array([each.lines for each in beside])
@@ -104,7 +104,7 @@ class Rest:
     def rolls(self) -> Floats:
         """By how much the ends of all arcs have rolled (N,), rad."""
         assert self.states is not None
-        return np.cumsum(self.states[:, t.TWIST])
+        return np.cumsum(self.states[:, t.TORSION])
 
     @cached_property
     def arcs(self) -> Floats:

@@ -45,7 +45,7 @@ def _prove_at(motion: Motion, t: float, sweep: Sweep, accuracy: Accuracy, seen: 
     q, frames = sweep.q[w.HALFWAY], sweep.frames[w.HALFWAY]
     verdict = CLEAR
     if motion.scene.table.shape[0] > 0:
-        among = sweep.looked
+        among = sweep.among
         scratch = Scratch(among, sweep.clock)
         verdict, gap, k, s, which = prove(
             motion.limits, q, frames, motion.scene, accuracy.mount, CONFIGURATION_SLACK, accuracy.finest, scratch

@@ -158,14 +158,14 @@ def clear_of_itself(swept: Swept, sweep: Sweep, level: int, accuracy: Accuracy, 
         verdict = CLEAR
         if i == j:
             sure = _alone(swept.first.limits, swept.first.q, swept.last.q, i) - accuracy.rounding
-            verdict = TOUCHING if _see_alone(swept, i, seen) else _judge(sure, accuracy, seen)
+            verdict = TOUCHING if _see_alone(swept, i, seen) else _accept_bound(sure, accuracy, seen)
         elif not _never_concern(swept, i, j):
             needed = swept.first.limits[i, SELF_RADIUS] + swept.first.limits[j, SELF_RADIUS]
-            verdict = _judge(_apart(swept, i, j) - needed - accuracy.rounding, accuracy, seen)
+            verdict = _accept_bound(_apart(swept, i, j) - needed - accuracy.rounding, accuracy, seen)
             if verdict != CLEAR:
                 sure, gap, s, _, when, evaluations = nearest_places(swept, pair_of(swept, i, j), own, seen[LEAST_SEEN])
                 _note(seen, gap, when, i, s, j)
-                verdict = TOUCHING if gap < 0.0 else _judge(sure, accuracy, seen)
+                verdict = TOUCHING if gap < 0.0 else _accept_bound(sure, accuracy, seen)
                 spend(sweep.clock, PAIR_WORK * evaluations)
         if verdict == TOUCHING:
             pairs[e], pairs[0] = pairs[0], pairs[e]
@@ -178,7 +178,7 @@ def clear_of_itself(swept: Swept, sweep: Sweep, level: int, accuracy: Accuracy, 
     return CLEAR if count == 0 else UNDECIDED
 
 
-def _judge(low: float, accuracy: Accuracy, seen: Array) -> int:
+def _accept_bound(low: float, accuracy: Accuracy, seen: Array) -> int:
     """Keep a lower bound of gaps, if it is as good as it has to be."""
     if not good_enough(low, accuracy, seen):
         return UNDECIDED

@@ -32,7 +32,7 @@ Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself", "
 the body must not run through itself, and how obstacles move meanwhile (c, 31), see `drift`: the rows of these in the
 scene are written as time goes on. `Sweep.still` (0, 31) says that none does."""
 
-Sweep = namedtuple("Sweep", "q frames reach reached near counts rates spans looked pairs left paces balls still clock")
+Sweep = namedtuple("Sweep", "q frames reach reached near counts rates spans among pairs left paces balls still clock")
 """Scratch of a proof of n segments among m obstacles: configurations (3, n, 3) and their frames (3, n + 1, 12), whose
 first rows are the base; of every segment the obstacles that it can reach at all (n, m) int64, and how many they are
 (n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
@@ -76,12 +76,12 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
             reach[at, which] = which
     near, rest = cut_whole(rest, n, m)
     counts, rest = cut_whole(rest, TIME_LEVELS + 2, n)
-    looked, rest = cut_whole(rest, m)
+    among, rest = cut_whole(rest, m)
     pairs, rest = cut_whole(rest, n * (n + 1) // 2)
     left, rest = cut_whole(rest, TIME_LEVELS + 2)
     still, rest = cut(rest, 0, DRIFT_WIDTH)
     clock, rest = cut_whole(rest, CLOCK_SIZE)
-    return Sweep(q, frames, reach, reached, near, counts, rates, spans, looked, pairs, left, paces, balls, still, clock)
+    return Sweep(q, frames, reach, reached, near, counts, rates, spans, among, pairs, left, paces, balls, still, clock)
 
 
 def at_time(q0: Array, q1: Array, t: float, out: Array) -> None:

@@ -19,7 +19,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.extending import _Intrinsic
 from numba.extending import typeof_impl
 
-from sinuous.base.progress import counting_looks, gc_paused, no_work
+from sinuous.base.progress import counting_work, gc_paused, no_work
 from sinuous.kernels.compile.interpreting import IN_PLACE_OF, interpret, makes_functions, plain, written
 from sinuous.kernels.compile.sources import COMPILER, read_sources
 from sinuous.kernels.compile.store import COPIES, Store
@@ -148,7 +148,7 @@ def interpreted(function: Any) -> Any:
     @functools.wraps(function)
     def call(*arguments: Any, end: Callable[[], bool] = lambda: False) -> Any:
         interpret_all()
-        with np.errstate(all="ignore"), counting_looks(end):
+        with np.errstate(all="ignore"), counting_work(end):
             return plain(function(*arguments))
 
     return call

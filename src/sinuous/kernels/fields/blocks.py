@@ -1,7 +1,7 @@
-"""The closest primitive to each of many points at once: to those of one block of a grid.
+"""The closest item to each of many points at once: to those of one block of a grid.
 
 The points of a block are so near to each other that nearly the same nodes of the tree have to be opened for each. So
-one walk serves all, and what it computes of a node or primitive is computed for all points in a row: the processor
+one walk serves all, and what it computes of a node or an item is computed for all points in a row: the processor
 takes several at a time. No loop over the points branches.
 """
 
@@ -20,8 +20,8 @@ EDGE = 4
 LANES = EDGE * EDGE * EDGE
 
 POINT_X, POINT_Y, POINT_Z, BEST, SQUARED_REACH, FOUND = 0, LANES, 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES
-"""Where a workspace holds, of each point: its place, the distance of the closest primitive, the square that a node must
-be closer than, and the number of the closest primitive."""
+"""Where a workspace holds, of each point: its place, the distance of the closest item, the square that a node must
+be closer than, and the number of the closest item."""
 
 WORKSPACE = 6 * LANES
 
@@ -112,7 +112,7 @@ def _open(store: Array, tree: Tree, discs: Array, node: int, work: Array) -> int
 
 
 def _take(store: Array, tree: Tree, item: int, work: Array) -> None:
-    """Let a primitive be the closest of those points that it is closer to."""
+    """Let an item be the closest of those points that it is closer to."""
     if tree.kind == BALLS:
         _ball_here(store, tree.items + 4 * item, item, work)
     else:
@@ -120,7 +120,7 @@ def _take(store: Array, tree: Tree, item: int, work: Array) -> None:
 
 
 def closest(store: Array, tree: Tree, discs: Array, seed: int, work: Array) -> None:
-    """Find the primitive that is closest to each point of a block.
+    """Find the item that is closest to each point of a block.
 
     Parameters
     ----------
@@ -130,9 +130,9 @@ def closest(store: Array, tree: Tree, discs: Array, seed: int, work: Array) -> N
     discs : ndarray (2 << levels, 8)
         Of triangles, see `discs`; of balls (0, 8).
     seed : int
-        Any primitive; the closer it is, the quicker.
+        Any item; the closer it is, the quicker.
     work : ndarray (WORKSPACE,)
-        With the points, in the length unit; the numbers of their closest primitives are filled in.
+        With the points, in the length unit; the numbers of their closest items are filled in.
     """
     for i in range(LANES):
         work[BEST + i], work[SQUARED_REACH + i], work[FOUND + i] = math.inf, math.inf, seed

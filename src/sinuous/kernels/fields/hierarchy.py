@@ -85,7 +85,7 @@ def nearer_leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: flo
             due = 256 * due + 255
 
 
-def _meets(store: Array, at: int, p: Vec, line: Vec, room: float) -> bool:
+def _meets(store: Array, at: int, p: Vec, line: Vec, margin: float) -> bool:
     """Whether the straight line from `p` on comes within some room of the box at `at`, or nearly (Ericson 2005)."""
     low = store[at], store[at + EIGHT], store[at + 2 * EIGHT]
     high = store[at + 3 * EIGHT], store[at + 4 * EIGHT], store[at + 5 * EIGHT]
@@ -93,7 +93,7 @@ def _meets(store: Array, at: int, p: Vec, line: Vec, room: float) -> bool:
         return False
     x, y, z = abs(0.5 * line[0]), abs(0.5 * line[1]), abs(0.5 * line[2])
     a, b, c = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
-    a, b, c = a + room, b + room, c + room
+    a, b, c = a + margin, b + margin, c + margin
     u = p[0] + 0.5 * line[0] - 0.5 * (low[0] + high[0])
     v = p[1] + 0.5 * line[1] - 0.5 * (low[1] + high[1])
     w = p[2] + 0.5 * line[2] - 0.5 * (low[2] + high[2])
@@ -110,7 +110,7 @@ def _meets(store: Array, at: int, p: Vec, line: Vec, room: float) -> bool:
 _meets_here = inline(_meets)
 
 
-def crossed_leaf(store: Array, tree: Tree, node: int, p: Vec, line: Vec, room: float) -> int:
+def crossed_leaf(store: Array, tree: Tree, node: int, p: Vec, line: Vec, margin: float) -> int:
     """The first leaf after a leaf (0: of all) whose box comes within some room of the line from `p` on; 0: none is."""
     descend = node == 0 and tree.count > 0
     while True:
@@ -122,6 +122,6 @@ def crossed_leaf(store: Array, tree: Tree, node: int, p: Vec, line: Vec, room: f
             if node == 0:
                 return 0
             node += 1
-        descend = _meets_here(store, tree.nodes + BLOCK * (node >> 3) + (node & 7), p, line, room)
+        descend = _meets_here(store, tree.nodes + BLOCK * (node >> 3) + (node & 7), p, line, margin)
         if descend and node >= 1 << tree.levels:
             return node

@@ -41,8 +41,8 @@ def _has_fine_samples(scene: Scene, i: int) -> bool:
     return bool(scene.table[i, t.FIRST_SAMPLE] >= 0.0)
 
 
-def _choose(scene: Scene, p: Vec, radius: float, room: float, memory: Array, first: int, count: int, to: int) -> Vec:
-    """Copy those of a list to place `to` that may be the closest to a point within `radius` of `p`, or within `room`.
+def _choose(scene: Scene, p: Vec, radius: float, margin: float, memory: Array, first: int, count: int, to: int) -> Vec:
+    """Copy those of a list to place `to` that may be the closest to a point within `radius` of `p`, or within `margin`.
 
     Returns how many they are, how far the nearest is from `p` at least, and all that were left out.
     """
@@ -56,7 +56,7 @@ def _choose(scene: Scene, p: Vec, radius: float, room: float, memory: Array, fir
             low, slack = min(d, low), slack + 2.0 * scene.table[i, t.SPACING]
         memory[to + ENTRY_SIZE * j], memory[to + ENTRY_SIZE * j + 1] = i, low - slack
         least, most = min(least, low - slack), min(most, d + slack)
-    beyond, chosen = max(most + 2.0 * radius, room + radius), 0
+    beyond, chosen = max(most + 2.0 * radius, margin + radius), 0
     beyond += SLACK * abs(beyond)
     for j in range(count):
         i, low = int(memory[to + ENTRY_SIZE * j]), memory[to + ENTRY_SIZE * j + 1]

@@ -28,14 +28,14 @@ KNOWN_ROUNDING = 1e-9
 
 
 def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
+    """Signed distance of `p` to obstacle `i`, and its gradient, where item `item` is the closest."""
     d, g = item_slope(store, tree_of(table, i), item, p, int(table[i, tables.NORMALS]))
     sign = table[i, tables.SIGN]
     return sign * (d - table[i, tables.ROUNDING_RADIUS]), scale(sign, g)
 
 
 def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float) -> tuple[int, float, bool]:
-    """Find the primitive closest to `p`, if it is closer than `reach`; its signed distance may be `known` (else inf).
+    """Find the item closest to `p`, if it is closer than `reach`; its signed distance may be `known` (else inf).
 
     Returns its number or -1, its lifted distance, and whether that is the signed one: of a triangle it is where `p` is
     known to be free. Samples tell how far the closest one is at most, and whether `p` is free; only then may a surface
@@ -140,7 +140,7 @@ def evaluate(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int
     grid = grid_of(table, i, tables.FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
     if table[i, tables.KIND] == tables.SAMPLES:
-        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode, table[i, tables.EXACT_BELOW])
+        d = _evaluate_samples(corners, t, norm(beyond), grid.spacing, mode, table[i, tables.EXACT_BELOW])
         return d, d
     if mode == INTERPOLATED:
         d, _ = _interpolate(table[i, tables.SIGN], corners, t, beyond, grid.spacing)
@@ -149,7 +149,7 @@ def evaluate(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int
     return low, grids.at_most(corners, t, grid.spacing) + norm(beyond)
 
 
-def _look_at_samples(
+def _evaluate_samples(
     corners: grids.CellCorners, t: Vec, gap: float, spacing: float, mode: int, exact_below: float
 ) -> float:
     if mode == INTERPOLATED:
@@ -173,7 +173,7 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, k
     corners, t, beyond = grids.look_up(store, grid, p)
     d, g = _interpolate(table[i, tables.SIGN] if kind == tables.TREE else -1.0, corners, t, beyond, grid.spacing)
     if mode == EXACT:
-        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, EXACT, math.inf)
+        d = _evaluate_samples(corners, t, norm(beyond), grid.spacing, EXACT, math.inf)
     return d, g
 
 

@@ -2,7 +2,7 @@
 
 The tree is complete: node 1 is the root, node i has the children 2i and 2i + 1, and the leaves are its last level. So
 it needs no links, and the walk through it no stack: what is still to be visited is one bit a level. Leaf j of 2^levels
-has the primitives from `(j * count) >> levels` on.
+has the items from `(j * count) >> levels` on.
 
 Signed distances are compared as *lifted*: their squares where they are positive, themselves where not. That keeps their
 order and saves most of the roots.
@@ -19,7 +19,7 @@ from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, scale, sub
 
 Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
-"""Where nodes and primitives begin in the store; number of levels and primitives; kind of these; half side of cubes."""
+"""Where nodes and items begin in the store; number of levels and items; kind of these; half side of cubes."""
 
 
 def tree_of(table: Array, i: int) -> Tree:
@@ -66,7 +66,7 @@ def cube_distance(local: Vec, half: float) -> float:
 
 
 def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> float:
-    """Lifted distance to primitive `i`; at least `best` where it is not less than that."""
+    """Lifted distance to item `i`; at least `best` where it is not less than that."""
     if tree.kind == t.TRIANGLES:
         return triangles.square_distance(store, tree.items + t.TRIANGLE_SIZE * i, p, best)
     if tree.kind == t.CUBES:
@@ -114,7 +114,7 @@ next_leaf_here = inline(next_leaf)
 
 
 def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
-    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
+    """Find the item closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
     found, node, due = -1, 0, 1
     while True:
         node, due = next_leaf_here(store, tree, node, due, p, best)
@@ -128,7 +128,7 @@ def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
 
 
 def item_slope(store: Array, tree: Tree, i: int, p: Vec, normals: int) -> tuple[float, Vec]:
-    """Distance of `p` to primitive `i`, and its gradient; of a triangle signed where `normals` begin in the store."""
+    """Distance of `p` to item `i`, and its gradient; of a triangle signed where `normals` begin in the store."""
     if tree.kind == t.TRIANGLES:
         return triangles.signed(store, tree.items + t.TRIANGLE_SIZE * i, normals, i, p)
     if tree.kind == t.CUBES:
@@ -140,15 +140,15 @@ def item_slope(store: Array, tree: Tree, i: int, p: Vec, normals: int) -> tuple[
 
 
 def item_beside(store: Array, tree: Tree, i: int, patch: Patch, size: float) -> tuple[float, Vec]:
-    """Lower bound of the distance of a patch to primitive `i`, by the tangent at its center, and the gradient there."""
+    """Lower bound of the distance of a patch to item `i`, by the tangent at its center, and the gradient there."""
     d, g = item_slope(store, tree, i, patch.center, -1)
     return d + (lean(g, patch) if size < FLAT * d else -size), g
 
 
 def beside(store: Array, tree: Tree, patch: Patch, best: float) -> tuple[float, Vec]:
-    """Lower bound of the distance of a patch to all primitives, if it is less than `best`, else that.
+    """Lower bound of the distance of a patch to all items, if it is less than `best`, else that.
 
-    Also the gradient, at the center, of the distance to the primitive that decides.
+    Also the gradient, at the center, of the distance to the item that decides.
     """
     size, g = patch_size(patch), (0.0, 0.0, 1.0)
     node, due = 0, 1
@@ -200,7 +200,7 @@ def _longest_axis(order: Array, centers: Array, first: int, last: int) -> int:
 
 @entry
 def arrange(centers: Array, levels: int, order: Array) -> None:
-    """Order the primitives with these centers (count, 3) for a tree of `levels`: halved along the longest axis.
+    """Order the items with these centers (count, 3) for a tree of `levels`: halved along the longest axis.
 
     `order` holds 0 .. count - 1, in any order.
     """
@@ -215,7 +215,7 @@ def arrange(centers: Array, levels: int, order: Array) -> None:
 
 @entry
 def enclose(lows: Array, highs: Array, order: Array, levels: int, nodes: Array) -> None:
-    """Fill `nodes` (2 << levels, 6) with boxes about the primitives between the corners `lows` and `highs`."""
+    """Fill `nodes` (2 << levels, 6) with boxes about the items between the corners `lows` and `highs`."""
     count = order.shape[0]
     for node in range((2 << levels) - 1, 0, -1):
         for axis in range(3):

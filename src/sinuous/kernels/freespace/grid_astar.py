@@ -63,7 +63,7 @@ CELL_WORK = 27
 WALL_ITERATIONS = 4
 """How often a point beside a wall is put back between two cells."""
 
-Here = namedtuple("Here", ["which", "cell", "key", "cut", "level", "point", "price"])
+Here = namedtuple("Here", ["which", "cell", "key", "cut", "level", "point", "rate"])
 """The cell whose neighbours are examined, by one side: number and key of it; the wall that cuts it; its level; where
 the route enters it; and what a unit of length costs there."""
 
@@ -195,7 +195,7 @@ def _reach(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new: int,
     d = table.distance[new]
     there = _crossing(grid, scene, here, key, (cut, new & 7), aim)
     step = norm(sub(there, here.point))
-    cost = side.cost[here.cell] + 0.5 * step * (here.price + cost_rate(grid, d) + DETOUR * table.penalized[new])
+    cost = side.cost[here.cell] + 0.5 * step * (here.rate + cost_rate(grid, d) + DETOUR * table.penalized[new])
     length = side.length[here.cell] + step
     rest = norm(sub(there, aim))
     if cost >= side.cost[new] or SMOOTHED * length + rest > grid.longest:

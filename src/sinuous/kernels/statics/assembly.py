@@ -52,7 +52,7 @@ def assemble(
     rotation, position = frame(frames, 0)
     origin = position
     for k in range(x.shape[0]):
-        vx, vy, twist, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TWIST], x[k, t.LENGTH]
+        vx, vy, angle, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TORSION], x[k, t.LENGTH]
         even = even_functions(vx * vx + vy * vy)
         _bend(x, arcs, k, stages)
         _run_lines(x, lines, tensions, k, end_profile(even), stages, along_arcs)
@@ -67,7 +67,7 @@ def assemble(
         _put_twist(stages, k, t.TWIST_COLUMNS + 12, (axis, cross(sub(position, origin), axis)))
         put_vec(stages, k, t.TWIST_COLUMNS + 18, ZERO)
         put_vec(stages, k, t.TWIST_COLUMNS + 21, mat_vec(frame(frames, k)[0], stretch))
-        rotation, position = compose(rotation, position, about_z(twist), ZERO)
+        rotation, position = compose(rotation, position, about_z(angle), ZERO)
         if arcs[k, t.ARC_TAIL] != 0.0:
             tail = get_mat(arcs, k, t.ARC_TAIL + 1), get_vec(arcs, k, t.ARC_TAIL + 1 + POSE_POSITION)
             rotation, position = compose(rotation, position, tail[0], tail[1])
@@ -89,19 +89,19 @@ def _bend(x: Array, arcs: Array, k: int, stages: Array) -> None:
     """Set the derivatives to those of bending, torsion and stretch; what is rigid adds nothing."""
     for i in range(t.CENTER_COLUMNS - t.GRADIENT):
         stages[k, t.GRADIENT + i] = 0.0
-    vx, vy, twist = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TWIST]
-    bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TWIST_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
+    vx, vy, angle = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TORSION]
+    bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TORSION_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
     if bend < t.RIGID:
-        turn = about_z(0.5 * twist)
+        turn = about_z(0.5 * angle)
         cx, cy, _ = mat_vec(turn, (arcs[k, t.REST_X], arcs[k, t.REST_Y], 0.0))
         _add_even(stages, k, t.BEND_X, bend * (vx - cx), bend)
         _add_even(stages, k, t.BEND_Y, bend * (vy - cy), bend)
         if torsion < t.RIGID:
-            _add_even(stages, k, t.TWIST, 0.5 * bend * (vx * cy - vy * cx), 0.25 * bend * (vx * cx + vy * cy))
-            _add_mixed(stages, k, t.BEND_X, t.TWIST, 0.5 * bend * cy)
-            _add_mixed(stages, k, t.BEND_Y, t.TWIST, -0.5 * bend * cx)
+            _add_even(stages, k, t.TORSION, 0.5 * bend * (vx * cy - vy * cx), 0.25 * bend * (vx * cx + vy * cy))
+            _add_mixed(stages, k, t.BEND_X, t.TORSION, 0.5 * bend * cy)
+            _add_mixed(stages, k, t.BEND_Y, t.TORSION, -0.5 * bend * cx)
     if torsion < t.RIGID:
-        _add_even(stages, k, t.TWIST, torsion * twist, torsion)
+        _add_even(stages, k, t.TORSION, torsion * angle, torsion)
     if stretch < t.RIGID:
         _add_even(stages, k, t.LENGTH, stretch * (x[k, t.LENGTH] - arcs[k, t.REST_LENGTH]), stretch)
 
@@ -118,15 +118,15 @@ def _add_mixed(stages: Array, k: int, i: int, j: int, value: float) -> None:
 
 def _run_lines(x: Array, lines: Array, tensions: Array, k: int, end: Profile, stages: Array, along_arcs: Array) -> None:
     """Add the lines that run through arc `k`, with their tensions."""
-    vx, vy, twist, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TWIST], x[k, t.LENGTH]
+    vx, vy, angle, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TORSION], x[k, t.LENGTH]
     for i in range(lines.shape[0]):
         first = int(lines[i, t.FIRST_ARC])
         if first <= k <= lines[i, t.LAST_ARC]:
             hx, hy = lines[i, t.ARM], lines[i, t.ARM + 1]
             if lines[i, t.STRAIGHT] > 0.0:
-                own, slope, curved = straight(vx, vy, twist, length, hx, hy, end)
+                own, slope, curved = straight(vx, vy, angle, length, hx, hy, end)
             else:
-                own, slope, curved = along(vx, vy, twist, length, hx, hy)
+                own, slope, curved = along(vx, vy, angle, length, hx, hy)
             row = int(lines[i, t.FIRST_SLOPE]) + k - first
             along_arcs[row, 0] = own
             for j in range(4):

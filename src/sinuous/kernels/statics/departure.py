@@ -14,7 +14,7 @@ aside together, and R and c hold as far aside as they come.
 c is the least eigenvalue half-way, less what third derivatives can change. That no eigenvalue is less than c is known
 by the signs of the pivots of `H - c M` (Sylvester's law of inertia). All third derivatives are bounded by one rule: a
 tangent of the body is a product of rotations, whose m-th derivative along `u` is at most `A^m`, A the sum of the angles
-of u up to there. A line that follows the arcs pulls with a convex energy, where nothing twists, however taut it is. Its
+of u up to there. A line that follows the arcs pulls with a convex energy, without torsion, however taut it is. Its
 length is linear in the state there, so that its tension leaves the straight way by no more than the state does.
 """
 
@@ -31,7 +31,7 @@ from sinuous.kernels.statics.newton import Body, Workspace, carve, evaluate_stat
 from sinuous.kernels.statics.sweeps import factorise, solve, stiffness_of
 from sinuous.kernels.tables import POSE_POSITION
 
-ASIDE, TURN, OFF = range(3)
+DEVIATION, TURN, OFF = range(3)
 """Columns of a departure: by how much any place of the body leaves the way, and by how much its end is turned (rad);
 and the distance of states in the norm of the softest stiffness, which is what lines are stretched by, in `SIZE`s."""
 
@@ -41,13 +41,13 @@ PARTS = 4
 """Parts of the way between whose ends the gradient of the energy is evaluated."""
 
 POWER_STEPS = 8
-"""Steps of the power method that foretells the least eigenvalue, where that is wanted closely; else a quarter."""
+"""Steps of the power method that estimates the least eigenvalue, where that is wanted closely; else a quarter."""
 
 COARSE, CLOSE = 0.4, 0.005
-"""How closely the least eigenvalue is found, as a share of what is foretold: for a first bound, and for a tight one."""
+"""How closely the least eigenvalue is found, as a share of its estimate: for a first bound and for a tight one."""
 
 FIRST_CUT = 0.2
-"""By how much less than foretold it is tried first, as a share of that; then by twice as much, and so on."""
+"""By how much less than its estimate it is tried first, as a share of that; then by twice as much, and so on."""
 
 PIVOT_ROUNDING = 1e-6
 """What is taken off, as pivots count as positive from a little below 0 on."""
@@ -59,42 +59,43 @@ Way = namedtuple("Way", ["q", "held", "x", "tensions"])
 """Two shapes in equilibrium: drives (2, n, 3), lengths at which lines are held (2, t), states (2, N, 4) and tensions
 (2, t)."""
 
-Departure = namedtuple("Departure", "sections carried lines bow q x tensions held states arcs bounds sizes")
+Departure = namedtuple("Departure", "sections carried lines sagitta q x tensions held states arcs bounds sizes")
 """What bounds are made of. Sections (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; how far a drive on a
 parabola leaves the straight line (n, 3). Scratch: a drive (n, 3), its state (N, 4), tensions (t,), lengths of lines
 (t, 3 n + 1), states without load (N, 4), arcs (3, N, 9), `bounds` (N, 23), and the `SIZE` of each line (t,)."""
 
 (
-    BENT,
-    RESTED,
-    TWISTED,
-    LONG,
-    BENDING,
-    RESTING,
-    TWISTING,
-    LENGTHENING,
-    BEND_SOFT,
-    TWIST_SOFT,
-    STRETCH_SOFT,
+    BEND_SIZE,
+    REST_SIZE,
+    TORSION,
+    LENGTH_SIZE,
+    BEND_CHANGE,
+    REST_CHANGE,
+    TORSION_CHANGE,
+    LENGTH_CHANGE,
+    BEND_COMPLIANCE,
+    TORSION_COMPLIANCE,
+    STRETCH_COMPLIANCE,
     GROWTH,
-    BOW_BEND,
-    BOW_LENGTH,
-    BOW_GROWTH,
-    BEYOND,
-    LIGHTER,
-    LOST,
-    OFFSETS,
-    SHARE,
-    LONG_SHARE,
+    SAGITTA_BEND,
+    SAGITTA_LENGTH,
+    SAGITTA_GROWTH,
+    WEIGHT_BEYOND,
+    WEIGHT_CHANGE,
+    WEIGHT_LOST,
+    OFFSET_MOMENTS,
+    ANGLE_FACTOR,
+    LENGTH_FACTOR,
     ANGLES,
-    BOWED,
+    SAGITTA_SUM,
 ) = range(23)
-"""Columns of `bounds`, the greatest values on the way. Sizes of the bend, of that without load, of twist and length;
-by how much these change; compliances of bend, twist and stretch, 0 of what is rigid; change of the length without load,
-relative to the least. How far the drive takes the arc aside: bend, length, that relative to the least length. The
-weight that its directions carry, how much that changes, and is lost aside of the way; moments of what is carried beside
-the backbone. The sum of angles up to there, and the change of its length, are at most so many times the size of a
-change of state. Sums up to there of angles on the way, and of bends aside of it."""
+"""Columns of `bounds`, the greatest values on the way. Sizes of the bend, of that without load, of torsion and length;
+by how much these change; compliances of bend, torsion and stretch, 0 of what is rigid; change of the length without
+load, relative to the least. How far a drive on a parabola is off the straight one: bend, length, that relative to the
+least length. The weight that directions of the arc carry, how much that changes, and is lost off the straight way;
+moments of what is carried beside the backbone. The sum of angles up to there, and the change of its length, are at most
+so many times the size of a change of state. Sums up to there of changes of angles, and of bends off the straight
+way."""
 
 BOUND_WIDTH = 23
 
@@ -105,7 +106,7 @@ def departure_size(segments: int, arcs: int, lines: int) -> int:
 
 
 def carve_departure(
-    buffer: Array, sections: Array, carried: Array, lines: Array, bow: Array, arcs: int
+    buffer: Array, sections: Array, carried: Array, lines: Array, sagitta: Array, arcs: int
 ) -> tuple[Departure, Array]:
     """Lay out scratch in a buffer; returns what is left of it, too."""
     n, count = sections.shape[0], lines.shape[0]
@@ -118,7 +119,7 @@ def carve_departure(
     tables, rest = cut(rest, 3 * arcs, t.ARC_WIDTH)
     bounds, rest = cut(rest, arcs, BOUND_WIDTH)
     sizes, rest = rest[:count], rest[count:]
-    return Departure(sections, carried, lines, bow, q, x, tensions, held, states, tables, bounds, sizes), rest
+    return Departure(sections, carried, lines, sagitta, q, x, tensions, held, states, tables, bounds, sizes), rest
 
 
 @entry
@@ -132,20 +133,20 @@ def measure_departure(
     held: Array,
     x: Array,
     tensions: Array,
-    bow: Array,
+    sagitta: Array,
     buffer: Array,
     answer: Array,
     stretches: Array,
 ) -> None:
     """Fill `answer` (3,), infinite where nothing is bounded, and by how much `stretches` (t,) leave the way.
 
-    `base` (1, 12); `sections` (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; the rest see `Way`; `bow`
+    `base` (1, 12); `sections` (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; the rest see `Way`; `sagitta`
     (n, 3). `buffer` has `measure_size` numbers.
     """
     space, rest = carve(buffer, x.shape[1], lines.shape[0], slopes)
     for j in range(12):
         space.frames[0, j] = base[0, j]
-    own, _ = carve_departure(rest, sections, carried, lines, bow, x.shape[1])
+    own, _ = carve_departure(rest, sections, carried, lines, sagitta, x.shape[1])
     depart(own, Way(q, held, x, tensions), space, CLOSE, answer)
     for i in range(lines.shape[0]):
         stretches[i] = answer[OFF] * own.sizes[i]
@@ -175,7 +176,7 @@ def lay_between(own: Departure, way: Way, share: float, arcs: Array) -> None:
 def depart(own: Departure, way: Way, space: Workspace, accuracy: float, answer: Array) -> None:
     """Fill `answer` (3,) and `own.sizes`; see `measure_departure`. `accuracy`: see `COARSE`."""
     N = own.x.shape[0]
-    answer[ASIDE] = answer[TURN] = answer[OFF] = math.inf
+    answer[DEVIATION] = answer[TURN] = answer[OFF] = math.inf
     lay_between(own, way, 1.0, own.arcs[N : 2 * N])
     lay_between(own, way, 0.0, own.arcs[:N])
     _measure_ends(own, way)
@@ -189,14 +190,19 @@ def depart(own: Departure, way: Way, space: Workspace, accuracy: float, answer: 
     lay_between(own, way, 0.5, own.arcs[2 * N :])
     evaluate_state(own.x, own.tensions, _body(own), 1.0, space)
     seen = max(seen, _residual(own, space))
-    left = seen + (_elastic(own) + _pull(own)) / (8.0 * PARTS * PARTS) + _slackening(own, way) + _aside(own)
+    left = (
+        seen
+        + (_bound_elastic(own) + _bound_loads(own)) / (8.0 * PARTS * PARTS)
+        + _bound_slackening(own, way)
+        + _bound_gradient_change(own)
+    )
     least = _least_eigenvalue(own, space, accuracy)
     for i in range(BALLS if least > 0.0 else 0):
         growth = 1.25 if i == 0 else 1.6 if i == 1 else 2.5 if i == 2 else 4.0
         radius = growth * left / least
-        sure = _sure(own, least, radius)
+        sure = _bound_eigenvalues(own, least, radius)
         if left <= sure * radius:
-            _answer(own, left / sure, answer)
+            _fill_departure(own, left / sure, answer)
             return
 
 
@@ -204,18 +210,24 @@ def _body(own: Departure) -> Body:
     return Body(own.arcs[2 * own.x.shape[0] :], own.carried, own.lines)
 
 
-def _answer(own: Departure, off: float, answer: Array) -> None:
+def _fill_departure(own: Departure, off: float, answer: Array) -> None:
     """Fill what follows from the distance of states."""
-    bounds, aside, last, rolled, turn = own.bounds, 0.0, own.x.shape[0] - 1, 0.0, 0.0
+    bounds, deviation, last, rolled, turn = own.bounds, 0.0, own.x.shape[0] - 1, 0.0, 0.0
     for k in range(own.x.shape[0]):
-        turn += 0.125 * (bounds[k, BENT] * rolled * rolled + 2.0 * bounds[k, BENDING] * rolled)
-        rolled += bounds[k, TWISTING]
-        far = (bounds[k, LONG] + bounds[k, LONG_SHARE] * off) * bounds[k, SHARE] + bounds[k, LONG_SHARE]
-        aside += off * far + bounds[k, LONG] * (turn + bounds[k, BOWED]) + bounds[k, BOW_LENGTH]
-    answer[ASIDE], answer[TURN], answer[OFF] = aside, off * bounds[last, SHARE] + turn + bounds[last, BOWED], off
+        turn += 0.125 * (bounds[k, BEND_SIZE] * rolled * rolled + 2.0 * bounds[k, BEND_CHANGE] * rolled)
+        rolled += bounds[k, TORSION_CHANGE]
+        far = (bounds[k, LENGTH_SIZE] + bounds[k, LENGTH_FACTOR] * off) * bounds[k, ANGLE_FACTOR] + bounds[
+            k, LENGTH_FACTOR
+        ]
+        deviation += off * far + bounds[k, LENGTH_SIZE] * (turn + bounds[k, SAGITTA_SUM]) + bounds[k, SAGITTA_LENGTH]
+    answer[DEVIATION], answer[TURN], answer[OFF] = (
+        deviation,
+        off * bounds[last, ANGLE_FACTOR] + turn + bounds[last, SAGITTA_SUM],
+        off,
+    )
 
 
-def _soft(one: float, other: float) -> float:
+def _greater_compliance(one: float, other: float) -> float:
     """The greater compliance of two stiffnesses."""
     least = min(one, other)
     return 0.0 if least == t.RIGID else 1.0 / least
@@ -226,22 +238,22 @@ def _measure_ends(own: Departure, way: Way) -> None:
     k, N, bounds = 0, own.x.shape[0], own.bounds
     for s in range(own.q.shape[0]):
         count = own.sections[s, t.ARC_COUNT]
-        bend, length = math.hypot(own.bow[s, 0], own.bow[s, 1]) / count, abs(own.bow[s, 2]) / count
+        bend, length = math.hypot(own.sagitta[s, 0], own.sagitta[s, 1]) / count, abs(own.sagitta[s, 2]) / count
         least = min(way.q[0, s, 2], way.q[1, s, 2]) / count - length
         growth = length / max(least, 1e-300) if length > 0.0 else 0.0
         for _ in range(int(count)):
             one, other, row = own.arcs[k], own.arcs[N + k], bounds[k]
-            row[BOW_BEND], row[BOW_LENGTH], row[BOW_GROWTH] = bend, length, growth
+            row[SAGITTA_BEND], row[SAGITTA_LENGTH], row[SAGITTA_GROWTH] = bend, length, growth
             for j in range(3):
-                row[BEND_SOFT + j] = _soft(one[j], other[j])
-            gives = row[BEND_SOFT] > 0.0 or row[TWIST_SOFT] > 0.0 or row[STRETCH_SOFT] > 0.0
+                row[BEND_COMPLIANCE + j] = _greater_compliance(one[j], other[j])
+            gives = row[BEND_COMPLIANCE] > 0.0 or row[TORSION_COMPLIANCE] > 0.0 or row[STRETCH_COMPLIANCE] > 0.0
             _measure_changes(own, way, k)
             shorter = min(one[t.REST_LENGTH], other[t.REST_LENGTH])
             more = abs(other[t.REST_LENGTH] - one[t.REST_LENGTH]) / max(shorter, 1e-300) if gives else 0.0
             wider = growth if gives else 0.0
             row[GROWTH] = more + 2.0 * wider * (1.0 + more)
             for j in range(3):
-                row[BEND_SOFT + j] *= 1.0 + wider
+                row[BEND_COMPLIANCE + j] *= 1.0 + wider
             k += 1
 
 
@@ -249,18 +261,18 @@ def _measure_changes(own: Departure, way: Way, k: int) -> None:
     """Fill sizes and changes of arc k."""
     row, one, other = own.bounds[k], way.x[0, k], way.x[1, k]
     a, b = own.arcs[k], own.arcs[own.x.shape[0] + k]
-    bend, length = row[BOW_BEND], row[BOW_LENGTH]
-    row[BENT] = max(math.hypot(one[0], one[1]), math.hypot(other[0], other[1])) + bend
+    bend, length = row[SAGITTA_BEND], row[SAGITTA_LENGTH]
+    row[BEND_SIZE] = max(math.hypot(one[0], one[1]), math.hypot(other[0], other[1])) + bend
     rest = max(math.hypot(a[t.REST_X], a[t.REST_X + 1]), math.hypot(b[t.REST_X], b[t.REST_X + 1]))
-    row[RESTED] = rest + bend
-    row[TWISTED] = max(abs(one[t.TWIST]), abs(other[t.TWIST]))
-    row[LONG] = max(abs(one[t.LENGTH]), abs(other[t.LENGTH])) + length
-    row[LONG] += norm(get_vec(own.arcs, k, t.ARC_TAIL + 1 + POSE_POSITION))
-    row[BENDING] = math.hypot(other[0] - one[0], other[1] - one[1]) + 2.0 * bend
+    row[REST_SIZE] = rest + bend
+    row[TORSION] = max(abs(one[t.TORSION]), abs(other[t.TORSION]))
+    row[LENGTH_SIZE] = max(abs(one[t.LENGTH]), abs(other[t.LENGTH])) + length
+    row[LENGTH_SIZE] += norm(get_vec(own.arcs, k, t.ARC_TAIL + 1 + POSE_POSITION))
+    row[BEND_CHANGE] = math.hypot(other[0] - one[0], other[1] - one[1]) + 2.0 * bend
     rested = math.hypot(b[t.REST_X] - a[t.REST_X], b[t.REST_X + 1] - a[t.REST_X + 1])
-    row[RESTING] = rested + 2.0 * bend
-    row[TWISTING] = abs(other[t.TWIST] - one[t.TWIST])
-    row[LENGTHENING] = abs(other[t.LENGTH] - one[t.LENGTH]) + 2.0 * length
+    row[REST_CHANGE] = rested + 2.0 * bend
+    row[TORSION_CHANGE] = abs(other[t.TORSION] - one[t.TORSION])
+    row[LENGTH_CHANGE] = abs(other[t.LENGTH] - one[t.LENGTH]) + 2.0 * length
 
 
 def _measure_weights(own: Departure) -> None:
@@ -277,22 +289,25 @@ def _measure_weights(own: Departure) -> None:
             last -= 1
         a, b = norm(get_vec(own.arcs, k, t.WEIGHT)), norm(get_vec(own.arcs, N + k, t.WEIGHT))
         one, other = one + a, other + b
-        lost, lost_too = lost + a * row[BOW_GROWTH], lost_too + b * row[BOW_GROWTH]
-        row[LOST], row[OFFSETS] = max(lost, lost_too), offsets
-        row[BEYOND], row[LIGHTER] = max(one, other) + row[LOST], abs(other - one) + 2.0 * row[LOST]
-    soft = angles = bowed = 0.0
+        lost, lost_too = lost + a * row[SAGITTA_GROWTH], lost_too + b * row[SAGITTA_GROWTH]
+        row[WEIGHT_LOST], row[OFFSET_MOMENTS] = max(lost, lost_too), offsets
+        row[WEIGHT_BEYOND], row[WEIGHT_CHANGE] = (
+            max(one, other) + row[WEIGHT_LOST],
+            abs(other - one) + 2.0 * row[WEIGHT_LOST],
+        )
+    soft = angles = sagittas = 0.0
     for k in range(N):
         row = bounds[k]
-        soft += row[BEND_SOFT] + row[TWIST_SOFT]
-        angles += row[BENDING] + row[TWISTING]
-        bowed += row[BOW_BEND]
-        row[SHARE], row[LONG_SHARE] = math.sqrt(soft), math.sqrt(row[STRETCH_SOFT])
-        row[ANGLES], row[BOWED] = angles, bowed
+        soft += row[BEND_COMPLIANCE] + row[TORSION_COMPLIANCE]
+        angles += row[BEND_CHANGE] + row[TORSION_CHANGE]
+        sagittas += row[SAGITTA_BEND]
+        row[ANGLE_FACTOR], row[LENGTH_FACTOR] = math.sqrt(soft), math.sqrt(row[STRETCH_COMPLIANCE])
+        row[ANGLES], row[SAGITTA_SUM] = angles, sagittas
     for i in range(own.lines.shape[0]):
         line, total = own.lines[i], 0.0
         square = line[t.ARM] ** 2 + line[t.ARM + 1] ** 2
         for k in range(int(line[t.FIRST_ARC]), int(line[t.LAST_ARC]) + 1):
-            total += square * bounds[k, BEND_SOFT] + bounds[k, STRETCH_SOFT]
+            total += square * bounds[k, BEND_COMPLIANCE] + bounds[k, STRETCH_COMPLIANCE]
         own.sizes[i] = math.sqrt(total)
 
 
@@ -301,13 +316,13 @@ def _residual(own: Departure, space: Workspace) -> float:
     total = 0.0
     for k in range(own.x.shape[0]):
         for j in range(4):
-            total += own.bounds[k, BEND_SOFT + max(0, j - 1)] * space.stages[k, t.RESIDUAL + j] ** 2
+            total += own.bounds[k, BEND_COMPLIANCE + max(0, j - 1)] * space.stages[k, t.RESIDUAL + j] ** 2
     return math.sqrt(total)
 
 
 def _stiffness(row: Array, i: int) -> float:
-    """Stiffness of bend, twist or stretch, the greatest on the way; 0 of what is rigid."""
-    soft = row[BEND_SOFT + i]
+    """Stiffness of bend, torsion or stretch, the greatest on the way; 0 of what is rigid."""
+    soft = row[BEND_COMPLIANCE + i]
     return float((1.0 + row[GROWTH]) / soft) if soft > 0.0 else 0.0
 
 
@@ -319,59 +334,71 @@ def _second(growth: float, value: float, once: float, twice: float) -> float:
     return twice + 2.0 * growth * once + 2.0 * growth * growth * value
 
 
-def _elastic(own: Departure) -> float:
+def _bound_elastic(own: Departure) -> float:
     """Second derivative by s of the moments and forces of the arcs themselves, in the dual norm."""
     total = 0.0
     for k in range(own.x.shape[0]):
         row = own.bounds[k]
-        v, c, dv, dc, g = row[BENT], row[RESTED], row[BENDING], row[RESTING], row[GROWTH]
-        twists = row[TWIST_SOFT] > 0.0
-        tau, dtau = (row[TWISTED], row[TWISTING]) if twists else (0.0, 0.0)
+        v, c, dv, dc, g = row[BEND_SIZE], row[REST_SIZE], row[BEND_CHANGE], row[REST_CHANGE], row[GROWTH]
+        twists = row[TORSION_COMPLIANCE] > 0.0
+        tau, dtau = (row[TORSION], row[TORSION_CHANGE]) if twists else (0.0, 0.0)
         twice = 0.25 * c * dtau * dtau + dc * dtau
         bend = _stiffness(row, 0) * _second(g, v + c, dv + dc + 0.5 * c * dtau, twice)
         once = 0.5 * (dv * c + v * dc + 0.5 * v * c * dtau)
         twice = 0.5 * (2.0 * dv * dc + (dv * c + v * dc) * dtau + 0.25 * v * c * dtau * dtau)
         turn = _stiffness(row, 0) * _second(g, 0.5 * v * c, once, twice) if twists else 0.0
         turn += _stiffness(row, 1) * _second(g, tau, dtau, 0.0)
-        pull = _stiffness(row, 2) * _second(g, row[LONG], 2.0 * row[LENGTHENING], 0.0)
-        total += row[BEND_SOFT] * bend * bend + row[TWIST_SOFT] * turn * turn + row[STRETCH_SOFT] * pull * pull
+        pull = _stiffness(row, 2) * _second(g, row[LENGTH_SIZE], 2.0 * row[LENGTH_CHANGE], 0.0)
+        total += (
+            row[BEND_COMPLIANCE] * bend * bend
+            + row[TORSION_COMPLIANCE] * turn * turn
+            + row[STRETCH_COMPLIANCE] * pull * pull
+        )
     return math.sqrt(total)
 
 
-def _pull(own: Departure) -> float:
+def _bound_loads(own: Departure) -> float:
     """The same of weights and payloads."""
     total = 0.0
     for k in range(own.x.shape[0]):
         row = own.bounds[k]
-        A, share, long, longer = row[ANGLES], row[SHARE], row[LONG_SHARE], row[LENGTHENING]
-        once = row[LONG] * A * share + longer * share + A * long
-        twice = row[LONG] * A * A * share + 2.0 * longer * A * share + A * A * long
-        total += row[BEYOND] * twice + 2.0 * row[LIGHTER] * once + row[OFFSETS] * A * A * share
+        A, share, long, longer = row[ANGLES], row[ANGLE_FACTOR], row[LENGTH_FACTOR], row[LENGTH_CHANGE]
+        once = row[LENGTH_SIZE] * A * share + longer * share + A * long
+        twice = row[LENGTH_SIZE] * A * A * share + 2.0 * longer * A * share + A * A * long
+        total += row[WEIGHT_BEYOND] * twice + 2.0 * row[WEIGHT_CHANGE] * once + row[OFFSET_MOMENTS] * A * A * share
     return total
 
 
-def _aside(own: Departure) -> float:
+def _bound_gradient_change(own: Departure) -> float:
     """By how much the gradient of the energy changes aside of the straight way, in the dual norm."""
     square = total = 0.0
     for k in range(own.x.shape[0]):
         row = own.bounds[k]
-        b, g, v, c = row[BOW_BEND], row[BOW_GROWTH], row[BENT], row[RESTED]
-        share, long, bowed = row[SHARE], row[LONG_SHARE], row[BOWED]
+        b, g, v, c = row[SAGITTA_BEND], row[SAGITTA_GROWTH], row[BEND_SIZE], row[REST_SIZE]
+        share, long, sagittas = row[ANGLE_FACTOR], row[LENGTH_FACTOR], row[SAGITTA_SUM]
         stiff = _stiffness(row, 0)
         bend = stiff * (2.0 * b + g * (v + c))
-        turn = 0.5 * stiff * (b * (v + c) + g * v * c) if row[TWIST_SOFT] > 0.0 else 0.0
-        turn += _stiffness(row, 1) * g * row[TWISTED]
-        pull = _stiffness(row, 2) * g * row[LONG]
-        square += row[BEND_SOFT] * bend * bend + row[TWIST_SOFT] * turn * turn + row[STRETCH_SOFT] * pull * pull
-        moved = row[LONG] * bowed * share + row[BOW_LENGTH] * share + bowed * long
-        total += row[BEYOND] * moved + row[LOST] * (row[LONG] * share + long) + row[OFFSETS] * bowed * share
+        turn = 0.5 * stiff * (b * (v + c) + g * v * c) if row[TORSION_COMPLIANCE] > 0.0 else 0.0
+        turn += _stiffness(row, 1) * g * row[TORSION]
+        pull = _stiffness(row, 2) * g * row[LENGTH_SIZE]
+        square += (
+            row[BEND_COMPLIANCE] * bend * bend
+            + row[TORSION_COMPLIANCE] * turn * turn
+            + row[STRETCH_COMPLIANCE] * pull * pull
+        )
+        moved = row[LENGTH_SIZE] * sagittas * share + row[SAGITTA_LENGTH] * share + sagittas * long
+        total += (
+            row[WEIGHT_BEYOND] * moved
+            + row[WEIGHT_LOST] * (row[LENGTH_SIZE] * share + long)
+            + row[OFFSET_MOMENTS] * sagittas * share
+        )
     return math.sqrt(square) + total
 
 
 def stretch_of(lines: Array, i: int, held: float, tension: float, x: Array) -> float:
     """By how much line i is stretched, in a state where its tension is known; negative: by how much it is slack.
 
-    It follows arcs that do not twist.
+    It follows arcs that have no torsion.
     """
     if tension > 0.0 or lines[i, t.PUSHES] > 0.0 or lines[i, t.STRAIGHT] > 0.0:
         return float(tension * lines[i, t.COMPLIANCE])
@@ -381,7 +408,7 @@ def stretch_of(lines: Array, i: int, held: float, tension: float, x: Array) -> f
     return min(0.0, long - held)
 
 
-def _slackening(own: Departure, way: Way) -> float:
+def _bound_slackening(own: Departure, way: Way) -> float:
     """By how much tensions leave the straight line where lines become slack or taut on the way, in the dual norm."""
     total = 0.0
     for i in range(own.lines.shape[0]):
@@ -400,16 +427,16 @@ def _least_eigenvalue(own: Departure, space: Workspace, accuracy: float) -> floa
     At most 1, and 0 where none is known. The state was just evaluated.
     """
     steps = POWER_STEPS if accuracy == CLOSE else POWER_STEPS // 4
-    foretold = min(1.0, _power(own.arcs[2 * own.x.shape[0] :], steps, space))
+    estimated = min(1.0, _estimate_eigenvalue(own.arcs[2 * own.x.shape[0] :], steps, space))
     assemble(own.x, _body(own).arcs, own.lines, own.tensions, 1.0, space.frames, space.stages, space.slopes)
     bad, good, taken = 0.0, 1.0, 0.0
     less = FIRST_CUT * accuracy if accuracy == CLOSE else accuracy
     while good - bad > accuracy and less < 1.0:
-        sure = _is_stiffer(own, (1.0 - less) * foretold - taken, space)
-        taken = (1.0 - less) * foretold
+        sure = _is_stiffer(own, (1.0 - less) * estimated - taken, space)
+        taken = (1.0 - less) * estimated
         bad, good = (bad, less) if sure else (less, good)
         less = 2.0 * less if good == 1.0 else 0.5 * (bad + good)
-    return (1.0 - good) * foretold - PIVOT_ROUNDING
+    return (1.0 - good) * estimated - PIVOT_ROUNDING
 
 
 def _is_stiffer(own: Departure, more: float, space: Workspace) -> bool:
@@ -425,7 +452,7 @@ def _is_stiffer(own: Departure, more: float, space: Workspace) -> bool:
     return bool(negative == 0)
 
 
-def _power(arcs: Array, steps: int, space: Workspace) -> float:
+def _estimate_eigenvalue(arcs: Array, steps: int, space: Workspace) -> float:
     """The least eigenvalue, about: the power method with the inverse of what was just factorised."""
     u, size, found = space.step, 0.0, 1.0
     for k in range(u.shape[0]):
@@ -452,7 +479,7 @@ def _power(arcs: Array, steps: int, space: Workspace) -> float:
     return found
 
 
-def _sure(own: Departure, least: float, radius: float) -> float:
+def _bound_eigenvalues(own: Departure, least: float, radius: float) -> float:
     """Lower bound of the eigenvalues anywhere in the ball, at any time, in the norm of the softest stiffness.
 
     Half-way they are at `least`, and nothing is farther from there than half of the changes.
@@ -460,17 +487,17 @@ def _sure(own: Departure, least: float, radius: float) -> float:
     total = most = worst = 0.0
     for k in range(own.x.shape[0]):
         row = own.bounds[k]
-        share, long, g, c = row[SHARE], row[LONG_SHARE], 0.5 * row[GROWTH], row[RESTED]
+        share, long, g, c = row[ANGLE_FACTOR], row[LENGTH_FACTOR], 0.5 * row[GROWTH], row[REST_SIZE]
         angles = 0.5 * row[ANGLES] + share * radius
-        stretch, length = 0.5 * row[LENGTHENING] + long * radius, row[LONG] + long * radius
-        turned = row[BEYOND] * (length * angles * share**2 + stretch * share**2 + 2.0 * long * angles * share)
-        lighter = 0.5 * row[LIGHTER] * (length * share**2 + 2.0 * long * share)
-        total += turned + lighter + row[OFFSETS] * angles * share**2
-        bend, twist = math.sqrt(row[BEND_SOFT]), math.sqrt(row[TWIST_SOFT])
-        twisted, bent = 0.5 * row[TWISTING] + twist * radius, row[BENT] + bend * radius
-        rested, bending = 0.5 * row[RESTING], 0.5 * row[BENDING] + bend * radius
+        stretch, length = 0.5 * row[LENGTH_CHANGE] + long * radius, row[LENGTH_SIZE] + long * radius
+        turned = row[WEIGHT_BEYOND] * (length * angles * share**2 + stretch * share**2 + 2.0 * long * angles * share)
+        lighter = 0.5 * row[WEIGHT_CHANGE] * (length * share**2 + 2.0 * long * share)
+        total += turned + lighter + row[OFFSET_MOMENTS] * angles * share**2
+        bend, twist = math.sqrt(row[BEND_COMPLIANCE]), math.sqrt(row[TORSION_COMPLIANCE])
+        twisted, bent = 0.5 * row[TORSION_CHANGE] + twist * radius, row[BEND_SIZE] + bend * radius
+        rested, bending = 0.5 * row[REST_CHANGE], 0.5 * row[BEND_CHANGE] + bend * radius
         mixed = 0.5 * (rested + 0.5 * c * twisted + g * c)
         even = 0.25 * (bending * c + bent * rested + 0.5 * bent * c * twisted + g * bent * c)
-        coupled = _stiffness(row, 0) * (mixed * bend * twist + even * row[TWIST_SOFT])
+        coupled = _stiffness(row, 0) * (mixed * bend * twist + even * row[TORSION_COMPLIANCE])
         most, worst = max(most, g), max(worst, coupled)
     return 1.0 + (least - 1.0) * (1.0 + most) - total - worst

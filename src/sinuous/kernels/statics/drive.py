@@ -42,7 +42,7 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
                 rest = sections[s, t.REST_BEND + j] if sections[s, t.PULLED] > 0.0 else q[s, j]
                 arcs[k, t.REST_X + j], states[k, j] = fraction * rest, fraction * q[s, j]
             arcs[k, t.REST_LENGTH] = states[k, t.LENGTH] = own
-            states[k, t.TWIST] = 0.0
+            states[k, t.TORSION] = 0.0
             for j in range(t.TAIL_WIDTH):
                 arcs[k, t.ARC_TAIL + j] = sections[s, t.SECTION_TAIL + j]
             k += 1
@@ -110,11 +110,11 @@ def differentiate(
     body, space = begin(base, arcs, loads, lines, slopes, buffer)
     find_taut(lines, tensions, space)
     evaluate_state(x, tensions, body, 1.0, space)
-    answer_drive(sections, of_lines, q, x, body, space, columns, pulls)
+    differentiate_by_drive(sections, of_lines, q, x, body, space, columns, pulls)
 
 
 @shared
-def answer_drive(
+def differentiate_by_drive(
     sections: Array, of_lines: Array, q: Array, x: Array, body: Body, space: Workspace, columns: Array, pulls: Array
 ) -> None:
     """Do that for an equilibrium that was just examined."""
@@ -160,15 +160,15 @@ def _ask(
 def _lengthen(x: Array, arcs: Array, k: int, fraction: float, wanted: Array, given: Array) -> None:
     """Longer arcs are softer."""
     over = fraction / arcs[k, t.REST_LENGTH] if arcs[k, t.REST_LENGTH] > 0.0 else 0.0
-    bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TWIST_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
+    bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TORSION_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
     if bend < t.RIGID:
         vx, vy = x[k, t.BEND_X], x[k, t.BEND_Y]
-        rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TWIST]), (arcs[k, t.REST_X], arcs[k, t.REST_Y], 0.0))
+        rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TORSION]), (arcs[k, t.REST_X], arcs[k, t.REST_Y], 0.0))
         wanted[k, t.BEND_X] += over * bend * (vx - rx)
         wanted[k, t.BEND_Y] += over * bend * (vy - ry)
-        wanted[k, t.TWIST] += over * 0.5 * bend * (vx * ry - vy * rx)
+        wanted[k, t.TORSION] += over * 0.5 * bend * (vx * ry - vy * rx)
     if torsion < t.RIGID:
-        wanted[k, t.TWIST] += over * torsion * x[k, t.TWIST]
+        wanted[k, t.TORSION] += over * torsion * x[k, t.TORSION]
     if stretch < t.RIGID:
         wanted[k, t.LENGTH] += over * stretch * x[k, t.LENGTH]
     else:
@@ -182,7 +182,7 @@ def _bend(x: Array, arcs: Array, k: int, c: int, fraction: float, pulled: bool, 
         given[k, c] = fraction
     elif not pulled:
         more = (fraction, 0.0, 0.0) if c == 0 else (0.0, fraction, 0.0)
-        rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TWIST]), more)
+        rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TORSION]), more)
         wanted[k, t.BEND_X] += bend * rx
         wanted[k, t.BEND_Y] += bend * ry
-        wanted[k, t.TWIST] -= 0.5 * bend * (x[k, t.BEND_X] * ry - x[k, t.BEND_Y] * rx)
+        wanted[k, t.TORSION] -= 0.5 * bend * (x[k, t.BEND_X] * ry - x[k, t.BEND_Y] * rx)

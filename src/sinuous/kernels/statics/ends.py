@@ -16,7 +16,9 @@ def put_ends(sections: Array, frames: Array, ends: Array) -> None:
         k += int(sections[min(s, n - 1), t.ARC_COUNT])
 
 
-def see_ends(sections: Array, change: Array, stages: Array, rows: Rows, j: int, seen: Array) -> tuple[Vec, Vec]:
+def differentiate_ends(
+    sections: Array, change: Array, stages: Array, rows: Rows, j: int, seen: Array
+) -> tuple[Vec, Vec]:
     """Fill column `j` of what rows see (r, 3 n): a change of states (N, 4). Returns the twist of the last end."""
     omega, velocity, k = ZERO, ZERO, 0
     for s in range(sections.shape[0]):
@@ -28,13 +30,13 @@ def see_ends(sections: Array, change: Array, stages: Array, rows: Rows, j: int, 
     return omega, velocity
 
 
-def foretell(
+def predict_state(
     begin: tuple[Array, Array, Array], slopes: tuple[Array, Array], q: Array, x: Array, tensions: Array
 ) -> None:
     """Fill states `x` (N, 4) and `tensions` (t,) of a drive `q` (n, 3), to first order.
 
-    `begin`: the drive, states and tensions of an equilibrium; `slopes` (3 n, N, 4), (3 n, t) as `drive.answer_drive`
-    fills them there.
+    `begin`: the drive, states and tensions of an equilibrium; `slopes` (3 n, N, 4), (3 n, t) as
+    `drive.differentiate_by_drive` fills them there.
     """
     at, states, pulls = begin
     columns, by_drive = slopes

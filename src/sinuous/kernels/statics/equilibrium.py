@@ -57,7 +57,7 @@ def settle(x: Array, tensions: Array, body: Body, descends: bool, space: Workspa
         record[LOAD_FACTOR], record[NEWTON_STEPS] = 1.0 if found else 0.0, steps
     if record[LOAD_FACTOR] < 1.0:
         return
-    _judge(x, tensions, body, space, record)
+    _record_state(x, tensions, body, space, record)
     for trial in range(2):
         if record[UNSTABLE] == 0.0 or not descends:
             return
@@ -75,7 +75,7 @@ def follow(x: Array, tensions: Array, body: Body, most: int, space: Workspace, r
     found, steps = descend(x, tensions, body, 1.0, True, space, most)
     record[LOAD_FACTOR], record[NEWTON_STEPS] = 1.0 if found else 0.0, steps
     if found:
-        _judge(x, tensions, body, space, record)
+        _record_state(x, tensions, body, space, record)
 
 
 def _keep(x: Array, tensions: Array, space: Workspace) -> None:
@@ -108,7 +108,7 @@ def _continue(x: Array, tensions: Array, body: Body, space: Workspace, record: A
     record[LOAD_FACTOR] = reached
 
 
-def _judge(x: Array, tensions: Array, body: Body, space: Workspace, record: Array) -> None:
+def _record_state(x: Array, tensions: Array, body: Body, space: Workspace, record: Array) -> None:
     """Fill what is said of an equilibrium that was just examined."""
     negative, moment, force = evaluate_state(x, tensions, body, 1.0, space)
     left, lines = 0.0, body.lines
@@ -140,4 +140,4 @@ def _leave(x: Array, tensions: Array, body: Body, space: Workspace, trial: int, 
     if not found:
         _restore(x, tensions, body.lines, space)
         return
-    _judge(x, tensions, body, space, record)
+    _record_state(x, tensions, body, space, record)

@@ -1,12 +1,13 @@
 """Tables of a body of arcs under load. `tables` owns those of all other kernels; these are met nowhere else.
 
-A body has N arcs, numbered from the base. The state `x` (N, 4) of an arc is its bend `v` (2, rad), its twist (rad) and
-its length: an arc, then a roll about the tangent at its end. Forces are in the world, in any unit that stiffness has.
+A body has N arcs, numbered from the base. The state `x` (N, 4) of an arc is its bend `v` (2, rad), its torsion (rad)
+and its length: an arc, then a roll about the tangent at its end. Forces are in the world, in any unit that stiffness
+has.
 """
 
 import math
 
-BEND_X, BEND_Y, TWIST, LENGTH = range(4)
+BEND_X, BEND_Y, TORSION, LENGTH = range(4)
 """Columns of the state, and of whatever has one number for each of its coordinates."""
 
 STATE_WIDTH = 4
@@ -24,10 +25,10 @@ TAIL_WIDTH = 13
 
 SECTION_WIDTH = SECTION_TAIL + TAIL_WIDTH
 
-(BEND_STIFFNESS, TWIST_STIFFNESS, STRETCH_STIFFNESS, REST_X, REST_Y, REST_LENGTH, WEIGHT) = range(7)
+(BEND_STIFFNESS, TORSION_STIFFNESS, STRETCH_STIFFNESS, REST_X, REST_Y, REST_LENGTH, WEIGHT) = range(7)
 """Columns of `arcs` (N, 22). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
-length without any load; weight (3, force in the world). Bends without load turn with half of the twist. What follows is
-the tail (`ARC_TAIL`), as of `sections`."""
+length without any load; weight (3, force in the world). Bends without load turn with half of the torsion. What follows
+is the tail (`ARC_TAIL`), as of `sections`."""
 
 ARC_TAIL = 9
 

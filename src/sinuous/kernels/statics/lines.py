@@ -1,6 +1,6 @@
 """The length of a tendon or a chamber in one arc, with first and second derivatives by the state of the arc.
 
-A line at the place h in the frames of the body, an arc with bend v, twist tau and length l. Its length is the root of
+A line at the place h in the frames of the body, an arc with bend v, torsion tau and length l. Its length is the root of
 
 - straight, from frame to frame: `4 r^2 sin^2(tau / 2) + 2 G (l - v . y) (l - v . h)` with y = h turned by tau;
 - along the arc, as a helix: `(l - v . g)^2 + r^2 tau^2` with g = h turned by tau / 2.
@@ -46,13 +46,13 @@ def _rooted(square: float, slope: Slope, curved: Curved, hx: float, hy: float) -
 
 
 def straight(
-    vx: float, vy: float, twist: float, length: float, hx: float, hy: float, own: Profile
+    vx: float, vy: float, torsion: float, length: float, hx: float, hy: float, own: Profile
 ) -> tuple[float, Slope, Curved]:
     """Length of a straight line, and its derivatives; `own` is the profile of the end of the arc."""
-    cosine, sine = math.cos(twist), math.sin(twist)
+    cosine, sine = math.cos(torsion), math.sin(torsion)
     yx, yy = cosine * hx - sine * hy, sine * hx + cosine * hy
     a, b = length - vx * yx - vy * yy, length - vx * hx - vy * hy
-    turned, square = vx * yy - vy * yx, hx * hx + hy * hy  # the derivative of a by the twist; r^2
+    turned, square = vx * yy - vy * yx, hx * hx + hy * hy  # the derivative of a by the torsion; r^2
     G, D, E = own[0], 2.0 * own[2], 4.0 * own[4]
     ab, both = a * b, a + b
     mx, my = b * yx + a * hx, b * yy + a * hy
@@ -75,15 +75,15 @@ def straight(
         2.0 * G * turned,
         4.0 * G,
     )
-    return _rooted(4.0 * square * math.sin(0.5 * twist) ** 2 + 2.0 * G * ab, slope, curved, hx, hy)
+    return _rooted(4.0 * square * math.sin(0.5 * torsion) ** 2 + 2.0 * G * ab, slope, curved, hx, hy)
 
 
-def along(vx: float, vy: float, twist: float, length: float, hx: float, hy: float) -> tuple[float, Slope, Curved]:
+def along(vx: float, vy: float, torsion: float, length: float, hx: float, hy: float) -> tuple[float, Slope, Curved]:
     """Length of a line that follows the arc, and its derivatives."""
-    cosine, sine = math.cos(0.5 * twist), math.sin(0.5 * twist)
+    cosine, sine = math.cos(0.5 * torsion), math.sin(0.5 * torsion)
     gx, gy = cosine * hx - sine * hy, sine * hx + cosine * hy
     a, turned, square = length - vx * gx - vy * gy, 0.5 * (vx * gy - vy * gx), hx * hx + hy * hy
-    slope = (-2.0 * a * gx, -2.0 * a * gy, 2.0 * (a * turned + square * twist), 2.0 * a)
+    slope = (-2.0 * a * gx, -2.0 * a * gy, 2.0 * (a * turned + square * torsion), 2.0 * a)
     curved = (
         2.0 * gx * gx,
         2.0 * gx * gy,
@@ -96,7 +96,7 @@ def along(vx: float, vy: float, twist: float, length: float, hx: float, hy: floa
         2.0 * turned,
         2.0,
     )
-    return _rooted(a * a + square * twist * twist, slope, curved, hx, hy)
+    return _rooted(a * a + square * torsion * torsion, slope, curved, hx, hy)
 
 
 def add_curved(stages: Array, k: int, first: int, tension: float, curved: Curved) -> None:

@@ -238,7 +238,7 @@ def _sound(x: Array, arcs: Array) -> bool:
     for k in range(x.shape[0]):
         square = x[k, t.BEND_X] ** 2 + x[k, t.BEND_Y] ** 2
         long, rest = x[k, t.LENGTH], arcs[k, t.REST_LENGTH]
-        if not square < LARGEST_BEND * LARGEST_BEND or not abs(x[k, t.TWIST]) < LARGEST_BEND:
+        if not square < LARGEST_BEND * LARGEST_BEND or not abs(x[k, t.TORSION]) < LARGEST_BEND:
             return False
         if not SHORTEST * rest <= long <= LONGEST * rest:
             return False

@@ -273,31 +273,31 @@ def descend(
     that was never linearised whole, for lack of time, the merit is infinite.
     """
     project_to_limits(problem, pick(states, at), work)
-    depth, looked_at, merit, damping_scale = problem.step_depth, at, math.inf, 1.0
+    depth, tried, merit, damping_scale = problem.step_depth, at, math.inf, 1.0
     # Samples may see an overlap where there is none; then the proof decides.
     coarse = coarseness(problem.scene)
     mode, loose = solids.INTERPOLATED if coarse > 0.0 else solids.EXACT, 0.0 if brief else coarse
     slow = iteration = 0
     bound = with_self = False
     while True:
-        looked = pick(states, looked_at)
-        linearise(problem, looked, work, depth, mode, wish, with_self)
+        trial = pick(states, tried)
+        linearise(problem, trial, work, depth, mode, wish, with_self)
         if late(work.clock):
             if merit == math.inf:
-                at, looked.norms[s.MERIT] = looked_at, math.inf
+                at, trial.norms[s.MERIT] = tried, math.inf
             state = pick(states, at)
             return at, MISSED, iteration, state.norms[s.CLEARANCE_SEEN], state.norms[s.SELF_BOUND], bound
-        found = looked.norms[s.MERIT]
+        found = trial.norms[s.MERIT]
         slow, damping_scale = _progress(found, merit, slow, damping_scale)
         if found < merit:
-            at, merit = looked_at, found
+            at, merit = tried, found
         state = pick(states, at)
         if met(problem, state, loose):
             verdict, self_clearance = self_proof(problem, state, work)
             if verdict != CLEAR:
                 if with_self or brief:
                     return at, verdict, iteration, state.norms[s.CLEARANCE_SEEN], self_clearance, bound
-                with_self, looked_at, merit, slow, damping_scale = True, at, math.inf, 0, 1.0
+                with_self, tried, merit, slow, damping_scale = True, at, math.inf, 0, 1.0
                 continue
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or brief or depth >= problem.step_depth + 6 or late(work.clock):
@@ -306,12 +306,12 @@ def descend(
                 mode, loose = solids.EXACT, 0.0
             else:
                 depth += 2
-            looked_at, merit = at, math.inf
+            tried, merit = at, math.inf
             continue
         sampled = slow >= MOST_SLOW_STEPS and loose > 0.0 and met_by(state, loose)
         if sampled or (wish > 0.0 and slow >= MOST_SLOW_WISHED_STEPS):
             mode, loose = (solids.EXACT, 0.0) if sampled else (mode, loose)
-            wish, looked_at, merit, slow, damping_scale = 0.0, at, math.inf, 0, 1.0
+            wish, tried, merit, slow, damping_scale = 0.0, at, math.inf, 0, 1.0
             continue
         if (
             iteration >= most
@@ -322,5 +322,5 @@ def descend(
         iteration += 1
         wish_nothing(work)
         bound = step(problem, state, work, max(EXACT_DAMPING, 0.01 * damping_scale * merit))
-        looked_at = 1 - at
-        move(problem, state, work, pick(states, looked_at))
+        tried = 1 - at
+        move(problem, state, work, pick(states, tried))

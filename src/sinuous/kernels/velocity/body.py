@@ -30,8 +30,8 @@ from sinuous.kernels.maths.vectors import (
 )
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.drive import answer_drive, fill
-from sinuous.kernels.statics.ends import foretell, put_ends, see_ends
+from sinuous.kernels.statics.drive import differentiate_by_drive, fill
+from sinuous.kernels.statics.ends import differentiate_ends, predict_state, put_ends
 from sinuous.kernels.statics.equilibrium import follow, is_stable
 from sinuous.kernels.statics.newton import evaluate_state, find_taut
 from sinuous.kernels.statics.sweeps import stiffness_of
@@ -46,7 +46,7 @@ from sinuous.kernels.velocity.contacts import ContactGaps, add_contacts, add_sel
 from sinuous.kernels.velocity.layout import Control
 
 MOST_STEPS = 12
-"""Newton steps from what is foretold to an equilibrium."""
+"""Newton steps from what is predicted to an equilibrium."""
 
 EXCESS_ROUNDING = 5e-12
 """Excess of a stretch over its limits that is rounding, in mean lengths of the robot."""
@@ -103,8 +103,8 @@ def _is_at(own: RestingBody, q: Array) -> bool:
 
 
 def _find_near(own: RestingBody, q: Array) -> bool:
-    """Bring the body to rest at a drive `q` (n, 3), whose arcs are there, from the state that is foretold."""
-    foretell((own.at, own.x, own.tensions), (own.columns, own.pulls), q, own.trial_x, own.trial_tensions)
+    """Bring the body to rest at a drive `q` (n, 3), whose arcs are there, from the state that is predicted."""
+    predict_state((own.at, own.x, own.tensions), (own.columns, own.pulls), q, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, own.unloaded, own.trial_x)
     follow(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
     found = is_stable(own.record)
@@ -132,7 +132,7 @@ def unroll(x: Array, arcs: Array) -> None:
         arcs[k, 0] = cosine * x[k, 0] - sine * x[k, 1]
         arcs[k, 1] = sine * x[k, 0] + cosine * x[k, 1]
         arcs[k, 2] = x[k, t.LENGTH]
-        turn += x[k, t.TWIST]
+        turn += x[k, t.TORSION]
 
 
 def _derive_arcs(own: RestingBody) -> None:
@@ -144,7 +144,7 @@ def _derive_arcs(own: RestingBody) -> None:
             own.by_drive[j, k, 0] = cosine * column[0] - sine * column[1] - rolled * own.arcs.q[k, 1]
             own.by_drive[j, k, 1] = sine * column[0] + cosine * column[1] + rolled * own.arcs.q[k, 0]
             own.by_drive[j, k, 2] = column[t.LENGTH]
-            turn, rolled = turn + own.x[k, t.TWIST], rolled + column[t.TWIST]
+            turn, rolled = turn + own.x[k, t.TORSION], rolled + column[t.TORSION]
 
 
 def excess_of(problem: Problem, resting: RestingBody | None) -> float:
@@ -163,7 +163,7 @@ def derive_body(problem: Problem, control: Control, resting: RestingBody | None,
     Those of arcs only where they are asked for: contacts and travels see them.
     """
     if resting is not None:
-        answer_drive(
+        differentiate_by_drive(
             resting.sections,
             resting.of_lines,
             control.q,
@@ -177,14 +177,14 @@ def derive_body(problem: Problem, control: Control, resting: RestingBody | None,
             unroll(resting.x, resting.arcs.q)
             _derive_arcs(resting)
             forward_with_columns(resting.problem.limits, resting.arcs.q, resting.arcs.frames, resting.arcs.columns)
-        _see(problem, control, resting)
+        _differentiate_rows(problem, control, resting)
 
 
-def _see(problem: Problem, control: Control, own: RestingBody) -> None:
+def _differentiate_rows(problem: Problem, control: Control, own: RestingBody) -> None:
     n, stages = control.q.shape[0], own.space.stages
     arm = sub(end_pose(control.frames, problem.tool, n - 1)[1], frame(control.frames, 0)[1])
     for j in range(3 * n):
-        omega, velocity = see_ends(own.sections, own.columns[j], stages, control.rows, j, own.seen)
+        omega, velocity = differentiate_ends(own.sections, own.columns[j], stages, control.rows, j, own.seen)
         velocity = add(velocity, cross(omega, arm))
         for i in range(3):
             own.tip[i, j], own.tip[3 + i, j] = omega[i], velocity[i]

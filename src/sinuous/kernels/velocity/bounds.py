@@ -321,7 +321,7 @@ def _rounding_of(actuator: Array, q: Array) -> float:
     return ROUNDING * size
 
 
-def _has_room(limits: Array, q: Array, k: int) -> bool:
+def _can_move(limits: Array, q: Array, k: int) -> bool:
     """Whether segment `k` of `q` may move a little to all sides within its own limits, or cannot stretch."""
     z, length = in_plane(limits, k, q[k, 0], q[k, 1]), q[k, 2]
     low, high = plane_range(limits, k, length) if bends_in_plane(limits, k) else (0.0, bend_cap(limits, k, length))
@@ -348,13 +348,13 @@ def _level(limits: Array, asked: StepRequest, control: Control) -> None:
 def _level_one(limits: Array, asked: StepRequest, control: Control, j: int, own: int) -> None:
     gap, spread = asked.actuators[j, own + v.LOWEST] - _value_of(asked.actuators[j], control.trial), 0.0
     for k in range(control.q.shape[0]):
-        if _has_room(limits, control.trial, k):
+        if _can_move(limits, control.trial, k):
             seen = vec_mat(get_vec(asked.actuators, j, 3 * k), get_mat(control.root, k, 0))
             spread += dot(seen, seen)
     if spread == 0.0 or abs(gap) > LEVEL * math.sqrt(spread):
         return
     for k in range(control.q.shape[0]):
-        if not _has_room(limits, control.trial, k):
+        if not _can_move(limits, control.trial, k):
             continue
         root = get_mat(control.root, k, 0)
         move = mat_vec(root, vec_mat(get_vec(asked.actuators, j, 3 * k), root))

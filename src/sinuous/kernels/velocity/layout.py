@@ -107,8 +107,8 @@ def most_constraints(segments: int) -> int:
     return min(32 + 5 * segments, 256)
 
 
-def tick_size(segments: int, obstacles: int, targets: int, actuators: int) -> int:
-    """Numbers (float64) that `carve_tick` takes from a buffer."""
+def control_size(segments: int, obstacles: int, targets: int, actuators: int) -> int:
+    """Numbers (float64) that `carve_control` takes from a buffer."""
     n, b, r = segments, most_bounds(segments, obstacles, actuators), most_constraints(segments)
     rows = n + 1 + 28 * max(6, 6 * targets)
     own = 6 * n + 12 * (n + 1) + 18 * n + rows + 15 * n + b * (3 * n + BOUND_WIDTH) + obstacles
@@ -131,7 +131,7 @@ def read_asked(asked: Array, n: int) -> StepRequest:
     )
 
 
-def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]) -> Control:
+def carve_control(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]) -> Control:
     """Lay out the workspace in `buffer`; `base` (1, 12).
 
     `sizes`: segments, obstacles, rows of what is asked, bounds, and constraints of the working set.

@@ -8,7 +8,7 @@ straight line between both ends, but for how far stretches leave it. What is und
 import math
 from collections import namedtuple
 
-from sinuous.base.progress import LOOK
+from sinuous.base.progress import WORK_UNIT
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify, forget
@@ -22,10 +22,10 @@ from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.departure import (
-    ASIDE,
     CLOSE,
     COARSE,
     DEPARTURE_WIDTH,
+    DEVIATION,
     OFF,
     Departure,
     Way,
@@ -50,11 +50,11 @@ from sinuous.kernels.velocity.layout import (
     LENGTH_CHANGE,
     Control,
     StepRequest,
-    carve_tick,
+    carve_control,
+    control_size,
     most_bounds,
     most_constraints,
     read_asked,
-    tick_size,
 )
 
 NO_BODY = -1.0
@@ -89,8 +89,8 @@ def loaded_size(segments: int, arcs: int, obstacles: int, targets: int, actuator
     """Numbers (float64) that a control step of a body in equilibrium takes from a buffer."""
     n, N, r = segments, arcs, max(6, 6 * targets)
     bounds = most_bounds(N, obstacles, 0) + actuators + lines
-    drive = tick_size(n, 0, targets, 0) + bounds * (3 * n + BOUND_WIDTH)
-    body = tick_size(N, obstacles, 0, 0)
+    drive = control_size(n, 0, targets, 0) + bounds * (3 * n + BOUND_WIDTH)
+    body = control_size(N, obstacles, 0, 0)
     own = 3 * n + 16 * N + 4 * lines + 3 * n * (7 * N + lines + 6 + r) + r * (2 * r + 1) + t.ARC_WIDTH * N
     way = (
         9 * n
@@ -111,13 +111,13 @@ def _carve(
     n, N, m, count = sections.shape[0], arcs.limits.shape[0], number_of(problem.scene), lines.shape[0]
     targets = problem.targets.shape[0]
     r, bounds = max(6, 6 * targets), most_bounds(N, m, 0) + actuators + count
-    size = tick_size(N, m, 0, 0)
-    of_arcs, rest = carve_tick(buffer[:size], arcs.base, (N, m, 6, most_bounds(N, m, 0), 0)), buffer[size:]
+    size = control_size(N, m, 0, 0)
+    of_arcs, rest = carve_control(buffer[:size], arcs.base, (N, m, 6, most_bounds(N, m, 0), 0)), buffer[size:]
     for i in range(N):
         for j in range(9):
             of_arcs.root[i, j] = 1.0 if j % 4 == 0 else 0.0
-    size = tick_size(n, 0, targets, 0) + bounds * (3 * n + BOUND_WIDTH)
-    own, rest = carve_tick(rest[:size], problem.base, (n, 0, r, bounds, most_constraints(n))), rest[size:]
+    size = control_size(n, 0, targets, 0) + bounds * (3 * n + BOUND_WIDTH)
+    own, rest = carve_control(rest[:size], problem.base, (n, 0, r, bounds, most_constraints(n))), rest[size:]
     space, rest = carve(rest, N, count, slopes)
     for j in range(12):
         space.frames[0, j] = problem.base[0, j]
@@ -222,7 +222,7 @@ def loaded_step(
     body = read_problem(arcs, scene, settings, targets)
     work, _ = _carve(workspace, problem, body, tables, of_lines, actuators)
     begin(work.sweep.clock)
-    allow_work(work.sweep.clock, wanted.seconds / LOOK)
+    allow_work(work.sweep.clock, wanted.seconds / WORK_UNIT)
     copy(start, work.q)
     copy(start, work.trial)
     work.body.record[LOAD_FACTOR] = 0.0
@@ -235,7 +235,7 @@ def loaded_step(
     k.set_free(problem, work)
     answer[k.ROUNDS], count, errors = k.advance(problem, wanted, work, start)
     answer[k.POSITION_ERROR], answer[k.ANGLE_ERROR] = errors
-    _put(work.body.x, work.body.tensions, x, tensions)
+    _copy_shape(work.body.x, work.body.tensions, x, tensions)
     _shrink(problem, wanted, work, start)
     k.report(work, count, answer)
     copy(work.body.tip, tip)
@@ -328,7 +328,7 @@ def certify_step(
     if not _settle(own, way):
         answer[k.START] = NO_BODY
         return work_left(work.sweep.clock)
-    answer[k.START] = verdict = _judge(problem, work, own, way, answer)
+    answer[k.START] = verdict = _evaluate_end(problem, work, own, way, answer)
     if moves:
         if verdict != CLEAR:
             answer[k.CLEARANCE] = answer[k.SELF_CLEARANCE] = -math.inf
@@ -355,7 +355,7 @@ def _find_body(own: RestingBody, q: Array, x: Array, tensions: Array) -> bool:
     return is_stable(own.record)
 
 
-def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: Array) -> int:
+def _evaluate_end(problem: Problem, work: Control, own: RestingBody, way: Way, answer: Array) -> int:
     """Fill clearances of the body where it was just found at rest, the end of a way, and errors of targets.
 
     Returns the verdict about it.
@@ -370,7 +370,7 @@ def _judge(problem: Problem, work: Control, own: RestingBody, way: Way, answer: 
         merit += work.rows.value[i] * work.rows.value[i]
     answer[k.MERIT], answer[k.POSITION_ERROR], answer[k.ANGLE_ERROR] = merit, off, turn
     unroll(way.x[1], own.arcs.trial)
-    verdict, answer[k.CLEARANCE], answer[k.SELF_CLEARANCE] = k.look_at(own.problem, own.arcs, own.arcs.trial)
+    verdict, answer[k.CLEARANCE], answer[k.SELF_CLEARANCE] = k.prove_shape(own.problem, own.arcs, own.arcs.trial)
     return verdict
 
 
@@ -379,22 +379,22 @@ def _certify_way(problem: Problem, own: RestingBody, way: Way, seen: Array, buff
     """Verdict about a way between two shapes, and until when everything is proved; fills `seen` (2, 6)."""
     n, N, count = way.q.shape[1], way.x.shape[1], way.tensions.shape[1]
     piece, stack, proof = _carve_way(buffer, own, n, N, count)
-    _put(way.x[0], way.tensions[0], piece.x[0], piece.tensions[0])
-    _put(way.x[1], way.tensions[1], stack.x[0], stack.tensions[0])
+    _copy_shape(way.x[0], way.tensions[0], piece.x[0], piece.tensions[0])
+    _copy_shape(way.x[1], way.tensions[1], stack.x[0], stack.tensions[0])
     stack.shares[0] = 1.0
     height, share, clock = 1, 0.0, own.arcs.sweep.clock
     while height > 0:
         end = stack.shares[height - 1]
-        _put(stack.x[height - 1], stack.tensions[height - 1], piece.x[1], piece.tensions[1])
-        _drive(way, share, piece, 0)
-        _drive(way, end, piece, 1)
+        _copy_shape(stack.x[height - 1], stack.tensions[height - 1], piece.x[1], piece.tensions[1])
+        _put_drive(way, share, piece, 0)
+        _put_drive(way, end, piece, 1)
         verdict, until = _certify_piece(problem, own, piece, proof, (share, end), seen)
         if verdict == CLEAR:
             share, height = end, height - 1
-            _put(piece.x[1], piece.tensions[1], piece.x[0], piece.tensions[0])
+            _copy_shape(piece.x[1], piece.tensions[1], piece.x[0], piece.tensions[0])
         elif end - share > 0.5**HALVINGS and not late(clock) and _find_middle(own, piece, proof.departure):
             stack.shares[height] = 0.5 * (share + end)
-            _put(own.trial_x, own.trial_tensions, stack.x[height], stack.tensions[height])
+            _copy_shape(own.trial_x, own.trial_tensions, stack.x[height], stack.tensions[height])
             height += 1
         else:
             return verdict, share + until * (end - share)
@@ -418,13 +418,13 @@ def _carve_way(buffer: Array, own: RestingBody, n: int, N: int, count: int) -> t
     return Way(q, held, x, tensions), Stack(shares, states, pulls), Proof(departure, limits, seen)
 
 
-def _put(x: Array, tensions: Array, to_x: Array, to_tensions: Array) -> None:
+def _copy_shape(x: Array, tensions: Array, to_x: Array, to_tensions: Array) -> None:
     copy(x, to_x)
     for i in range(tensions.shape[0]):
         to_tensions[i] = tensions[i]
 
 
-def _drive(way: Way, share: float, piece: Way, end: int) -> None:
+def _put_drive(way: Way, share: float, piece: Way, end: int) -> None:
     """Put the drive at a share of the way to one end of a piece of it."""
     for s in range(way.q.shape[1]):
         for j in range(3):
@@ -455,13 +455,13 @@ def _certify_piece(
     for accuracy in (COARSE, CLOSE):
         depart(scratch.departure, piece, own.space, accuracy, own.record[:DEPARTURE_WIDTH])
         spend(own.arcs.sweep.clock, t.ARC_WORK * own.x.shape[0])
-        aside, off = own.record[ASIDE], own.record[OFF]
-        if aside < math.inf:
+        deviation, off = own.record[DEVIATION], own.record[OFF]
+        if deviation < math.inf:
             verdict, until = TENSE, 0.0
             if _keeps_tensions(problem, own, piece, scratch.departure, off):
-                verdict, until = _certify_thicker(problem, own, piece, scratch, aside)
+                verdict, until = _certify_thicker(problem, own, piece, scratch, deviation)
                 if verdict == CLEAR or accuracy == CLOSE:
-                    _join(own, scratch.seen, shares, seen)
+                    _join_seen(own, scratch.seen, shares, seen)
         if verdict == CLEAR:
             break
     return verdict, until
@@ -481,7 +481,7 @@ def _keeps_tensions(problem: Problem, own: RestingBody, piece: Way, departure: D
 
 
 def _certify_thicker(
-    problem: Problem, own: RestingBody, piece: Way, scratch: Proof, aside: float
+    problem: Problem, own: RestingBody, piece: Way, scratch: Proof, deviation: float
 ) -> tuple[float, float]:
     """Verdict about the way linear in arcs, for a body that is thicker by so much, and until when it is clear."""
     limits, arcs = scratch.limits, own.arcs
@@ -490,14 +490,14 @@ def _certify_thicker(
     copy(own.problem.limits, limits)
     for j in range(limits.shape[0]):
         limits[j, MAX_LENGTH] = max(limits[j, MAX_LENGTH], arcs.q[j, 2], arcs.trial[j, 2])
-        limits[j, RADIUS], limits[j, SELF_RADIUS] = limits[j, RADIUS] + aside, limits[j, SELF_RADIUS] + aside
+        limits[j, RADIUS], limits[j, SELF_RADIUS] = limits[j, RADIUS] + deviation, limits[j, SELF_RADIUS] + deviation
     aim = Accuracy(1.0, FINEST_PROOF * problem.unit, 0.0, problem.mount, True)
     motion = Motion(limits, arcs.q, arcs.trial, problem.scene, own.problem.avoids_itself, arcs.sweep.still)
     verdict, until = certify(motion, arcs.sweep, aim, scratch.seen)
     return float(verdict), until
 
 
-def _join(own: RestingBody, now: Array, shares: tuple[float, float], seen: Array) -> None:
+def _join_seen(own: RestingBody, now: Array, shares: tuple[float, float], seen: Array) -> None:
     """Add what was seen of a piece of the way to what was `seen` (2, 6) of all."""
     for row in range(2):
         lowest = min(seen[row, PROVED_BOUND], now[row, PROVED_BOUND])

@@ -52,7 +52,7 @@ from sinuous.kernels.velocity.body import (
 )
 from sinuous.kernels.velocity.bounds import add_actuators, size_of, take
 from sinuous.kernels.velocity.contacts import ContactGaps, add_contacts, add_self_contacts
-from sinuous.kernels.velocity.layout import Control, StepRequest, carve_tick, read_asked
+from sinuous.kernels.velocity.layout import Control, StepRequest, carve_control, read_asked
 
 (
     PROVED,
@@ -142,8 +142,8 @@ def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[
     return merit, off, turn
 
 
-def _farthest(problem: Problem, asked: StepRequest, control: Control, mu: float) -> float:
-    """How far anything may move in this tick, about: what a free step does, but no more than rates allow."""
+def _estimate_travel(problem: Problem, asked: StepRequest, control: Control, mu: float) -> float:
+    """How far anything may move in this step, about: what a free step does, but no more than rates allow."""
     free = control.working.free
     move_freely(control, control.body, mu)
     for k in range(control.q.shape[0]):
@@ -166,7 +166,7 @@ def _put_bounds(problem: Problem, asked: StepRequest, control: Control, start: A
     """Write all bounds but those of single segments; returns their number, and the largest lack of a gap."""
     keep = problem.margin
     wish = max(asked.wish, keep)
-    ahead = _farthest(problem, asked, control, mu) if _may_touch(problem, asked) else 0.0
+    ahead = _estimate_travel(problem, asked, control, mu) if _may_touch(problem, asked) else 0.0
     own, gaps = ContactGaps(keep, keep, keep + ahead), ContactGaps(keep, wish, wish + ahead)
     count, lack = _list_bounds(problem, asked, control, control.body, start, own, gaps)
     return count, max(0.0, lack)
@@ -310,7 +310,7 @@ def _least_gap(problem: Problem, control: Control, q: Array, ahead: float) -> fl
     return least
 
 
-def look_at(problem: Problem, control: Control, q: Array) -> tuple[int, float, float]:
+def prove_shape(problem: Problem, control: Control, q: Array) -> tuple[int, float, float]:
     """Verdict about a configuration, and its clearance and self-clearance."""
     copy(q, control.q)
     forward(problem.limits, control.q, control.frames)
@@ -357,7 +357,7 @@ def _prove(problem: Problem, control: Control, start: Array, answer: Array) -> N
         _shorten(control, start, SHY * until)
         answer[STEP_FRACTION] = SHY * until
         return
-    answer[START], _, _ = look_at(problem, control, start)
+    answer[START], _, _ = prove_shape(problem, control, start)
     if answer[START] == CLEAR:  # it stays where it is
         copy(start, control.trial)
         answer[STEP_FRACTION] = 0.0
@@ -401,13 +401,13 @@ def control_step(
     """Go on from the configuration `start` (n, 3), as `asked` says, within all bounds, as far as that is proved clear.
 
     `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says, `asked` as `layout` says;
-    targets (t, 15). `workspace`: see `layout.tick_size`. Fills `answer`.
+    targets (t, 15). `workspace`: see `layout.control_size`. Fills `answer`.
     """
     problem = read_problem(robot, scene, settings, targets)
     n, m = problem.limits.shape[0], number_of(problem.scene)
     wanted = read_asked(asked, n)
     capacity = max(6, 6 * targets.shape[0])
-    work = carve_tick(workspace, problem.base, (n, m, capacity, wanted.capacity[0], wanted.capacity[1]))
+    work = carve_control(workspace, problem.base, (n, m, capacity, wanted.capacity[0], wanted.capacity[1]))
     begin(work.sweep.clock)
     allow(work.sweep.clock, wanted.seconds)
     copy(start, work.q)
@@ -423,7 +423,7 @@ def control_step(
             answer[REACHED + i], answer[REACHED + 3 + i] = turn[i], move[i]
     copy(work.trial, work.q)
     answer[MERIT], answer[POSITION_ERROR], answer[ANGLE_ERROR] = _linearise(problem, wanted, work)
-    verdict, clearance, own = look_at(problem, work, work.trial)
+    verdict, clearance, own = prove_shape(problem, work, work.trial)
     answer[CLEARANCE] = clearance if verdict == CLEAR else -math.inf
     answer[SELF_CLEARANCE] = own if verdict == CLEAR else -math.inf
     write_end(work, answer)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import call
-from sinuous.base.progress import LOOK
+from sinuous.base.progress import WORK_UNIT
 from sinuous.kernels import packing
 from sinuous.kernels import tables as k
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
@@ -437,7 +437,7 @@ class Prover:
         Bounds are no more than `slack` below these, then.
         """
         if self._ways is not None:
-            self._work.left = seconds * (len(knots) - 1) / LOOK
+            self._work.left = seconds * (len(knots) - 1) / WORK_UNIT
             return self._prove_under_load(self._ways, knots, slack, times)
         answers = self._prove_in_time(knots, slack, seconds, times, known)
         self.keep_tensions(knots, answers)

@@ -5,7 +5,7 @@ import numpy as np
 from sinuous.base.checks import Floats
 from sinuous.kernels.certificate.tip import leave_line, turn_off
 from sinuous.kernels.packing import pose_row
-from sinuous.kernels.statics.layout import TWIST
+from sinuous.kernels.statics.layout import TORSION
 from sinuous.model.robot import Robot, robot_group
 from sinuous.solver.certificates.steps import LoadedShapes
 from sinuous.statics.between import Leave, leave
@@ -79,7 +79,7 @@ class Tip:
         bound = float(leave_line(group, arcs, self.line, enough, self._q, self._frames))
         # The tool goes round with the roll of the tip, and bends turn it meanwhile.
         turned = float(np.hypot(*(arcs[1] - arcs[0])[:, :2].T).sum())
-        roll = float(np.abs(other.states - one.states)[:, TWIST].sum())
+        roll = float(np.abs(other.states - one.states)[:, TORSION].sum())
         off = leave(one, other) if ways.bounded else Leave(0.0, 0.0)
         if off.aside == np.inf:
             return np.inf

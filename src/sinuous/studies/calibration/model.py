@@ -116,11 +116,11 @@ class Loaded:
         states[..., t.BEND_Y] = cosine * by_arcs[..., 1] - sine * by_arcs[..., 0]
         states[..., t.LENGTH] = by_arcs[..., 2]
         swings = by_arcs[..., 1] * bends[:, None, :, 0] - by_arcs[..., 0] * bends[:, None, :, 1]
-        states[..., :-1, t.TWIST] = np.cumsum(swings[..., :0:-1], axis=-1)[..., ::-1]  # a twist rolls all arcs beyond
+        states[..., :-1, t.TORSION] = np.cumsum(swings[..., :0:-1], axis=-1)[..., ::-1]  # a twist rolls all arcs beyond
         across = np.stack([-offset[:, 1], offset[:, 0], np.zeros(len(roll))], axis=1)
         spin = rotation @ across[..., None]
-        states[..., :arc, t.TWIST] += spin
-        states[..., arc, t.TWIST] += share * spin[..., 0]
+        states[..., :arc, t.TORSION] += spin
+        states[..., arc, t.TORSION] += share * spin[..., 0]
         turn = np.zeros((len(roll), 3, 3))
         turn[:, 0, 0] = turn[:, 1, 1] = np.cos(roll)
         turn[:, 1, 0] = np.sin(roll)

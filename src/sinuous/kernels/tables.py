@@ -215,25 +215,19 @@ QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK = 0, 3, 6, 9
     QUERY_RADIUS,
     QUERY_SHORTEST,
     QUERY_LONGEST,
-    QUERY_TURN,
     QUERY_FREE_LENGTH,
-    QUERY_STRAIGHT_MIN,
-    QUERY_STRAIGHT_MAX,
-    QUERY_OTHER_LENGTH,
     QUERY_CELL,
     QUERY_CLEARANCE,
     QUERY_FREE_MARGIN,
     QUERY_MOST_CELLS,
     QUERY_PROVE,
-) = range(12, 27)
+) = range(12, 23)
 """How far from the goal a route may end, and how much farther a proof has to grant; radius of what moves along the
-route, and its least length; the longest route; the radius of its tightest turn; length from the origin that obstacles
-do not concern. A route of length x leaves straight for `x - OTHER_LENGTH`, no less than STRAIGHT_MIN and no more than
-STRAIGHT_MAX. Edge of the cells; distance from obstacles with which a cell can be passed; room beyond the radius that
-costs nothing; most cells that a search meets, a power of two; whether to prove that there is no route where none is
-found."""
+route, and its least length; the longest route; length from the origin that obstacles do not concern. Edge of the cells;
+distance from obstacles with which a cell can be passed; room beyond the radius that costs nothing; most cells that a
+search meets, a power of two; whether to prove that there is no route where none is found."""
 
-QUERY_WIDTH = 27
+QUERY_WIDTH = 23
 
 FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED = range(5)
 """How a route search ended: with a route; without; its table was full; its time was up; without, and it is proved that

@@ -6,7 +6,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec
-from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.problem import read_problem
 from sinuous.kernels.step.targets import backbone_end, distal_target, end_segment, tangent_back
 
 THINNEST = 1e-4
@@ -29,43 +29,13 @@ def ball_radius(limits: Array) -> float:
     return radius if radius < math.inf else ASSUMED * limits[:, t.MAX_LENGTH].sum()
 
 
-def _body(problem: Problem, last: int) -> tuple[float, float, float, float]:
-    """Of the segments up to `last`: radius of the ball, least and greatest length, and radius of the tightest turn."""
-    shortest, longest, turn = 0.0, 0.0, math.inf
-    for k in range(last + 1):
-        low, high, bend = (
-            problem.limits[k, t.MIN_LENGTH],
-            problem.limits[k, t.MAX_LENGTH],
-            problem.limits[k, t.MAX_BEND],
-        )
-        shortest += low
-        longest += high
-        if bend > 0.0 and high > 0.0:
-            turn = min(turn, (low if low > 0.0 else high) / bend)
-    return ball_radius(problem.limits[: last + 1]), shortest, longest, min(turn, 0.25 * longest)
-
-
-def _straight(problem: Problem, last: int) -> tuple[float, float, float]:
-    """Of the first segments that cannot bend: least and greatest length; and the mean length of all others."""
-    low = high = others = 0.0
-    leading = True
-    for k in range(last + 1):
-        leading = leading and problem.limits[k, t.MAX_BEND] == 0.0
-        if leading:
-            low += problem.limits[k, t.MIN_LENGTH]
-            high += problem.limits[k, t.MAX_LENGTH]
-        else:
-            others += 0.5 * (problem.limits[k, t.MIN_LENGTH] + problem.limits[k, t.MAX_LENGTH])
-    return low, high, others
-
-
 def _put(query: Array, at: int, vector: Vec) -> None:
     query[at], query[at + 1], query[at + 2] = vector
 
 
 @entry
 def route_query(robot: Array, scene: Array, settings: Array, targets: Array, query: Array) -> bool:
-    """Fill what robot and targets ask of a route into `query` (27,); the plan's numbers are left as they are.
+    """Fill what robot and targets ask of a route into `query` (23,); the plan's numbers are left as they are.
 
     `robot`, `scene` and `settings` are groups and `targets` (t, 15) a table, laid out as `sinuous.kernels.tables` says.
     Returns False, and fills nothing, when no target has a position.
@@ -83,13 +53,7 @@ def route_query(robot: Array, scene: Array, settings: Array, targets: Array, que
     _put(query, t.QUERY_BACK, tangent_back(targets, which) if around == 0.0 else ZERO)
     query[t.QUERY_GOAL_RADIUS] = around
     query[t.QUERY_GOAL_SLACK] = problem.position_tolerance + 1e-9 * problem.unit
-    radius, shortest, longest, turn = _body(problem, last)
-    query[t.QUERY_RADIUS], query[t.QUERY_SHORTEST], query[t.QUERY_LONGEST], query[t.QUERY_TURN] = (
-        radius,
-        shortest,
-        longest,
-        turn,
-    )
-    query[t.QUERY_FREE_LENGTH] = problem.mount
-    query[t.QUERY_STRAIGHT_MIN], query[t.QUERY_STRAIGHT_MAX], query[t.QUERY_OTHER_LENGTH] = _straight(problem, last)
+    body = problem.limits[: last + 1]
+    query[t.QUERY_RADIUS], query[t.QUERY_FREE_LENGTH] = ball_radius(body), problem.mount
+    query[t.QUERY_SHORTEST], query[t.QUERY_LONGEST] = body[:, t.MIN_LENGTH].sum(), body[:, t.MAX_LENGTH].sum()
     return True

@@ -58,18 +58,17 @@ def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
 def tighten(scene: Scene, grid: SearchGrid, route: Array, scratch: Array, clock: Array, count: int) -> None:
     """Draw the first `count` points of `route` (m, 3) tight and away from obstacles, as far as the time allows.
 
-    The first two points stay, and the last; so does the last but one when the goal has a tangent. Where a point is far
-    from all obstacles nobody asks again before it has moved as far. `scratch` (2 count, 3) is written over.
+    The first two points stay, and the last. Where a point is far from all obstacles nobody asks again before it has
+    moved as far. `scratch` (2 count, 3) is written over.
     """
     wanted = grid.radius + grid.free_margin
-    last = count - 1 if norm(grid.back) == 0.0 else count - 2
     spare, free, units = scratch[:count], scratch[count:], work_of_all(scene)
     for sweep in range(SWEEPS):
         most = grid.cell * (0.5 - 0.4 * sweep / SWEEPS)
         if sweep % RESPACED == 0:
             for i in range(count):
                 free[i, 0] = 0.0
-        for i in range(2, last):
+        for i in range(2, count - 1):
             p = get_vec(route, i, 0)
             between = scale(0.5, add(get_vec(route, i - 1, 0), get_vec(route, i + 1, 0)))
             pull = sub(between, p)

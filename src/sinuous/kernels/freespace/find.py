@@ -7,7 +7,7 @@ from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
 from sinuous.kernels.freespace.cells import EVALUATED, NONE, Memory, carve, clear, restart
 from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore, penalize
-from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid, straight_length
+from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid
 from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
 from sinuous.kernels.tables import CLOSED, FOUND, PROVED_CLOSED
 
@@ -26,8 +26,8 @@ def _chain(memory: Memory, which: int, met: int) -> int:
 def _trace(memory: Memory, grid: SearchGrid, met: int, query: Query) -> int:
     """Write the line of the route through the cell `met` to `memory.points`; returns the number of its points.
 
-    It has both straight pieces, and between them the places where the route enters cells, but for those that both ends
-    lie in. Returns 0 when there is no place for it.
+    It has the origin, the start, the places where the route enters cells, but for those that both ends lie in, and the
+    goal. Returns 0 when there is no place for it.
     """
     points, sides = memory.points, memory.sides
     behind, ahead = _chain(memory, FROM_START, met), _chain(memory, FROM_GOAL, met)
@@ -46,8 +46,7 @@ def _trace(memory: Memory, grid: SearchGrid, met: int, query: Query) -> int:
     put_vec(points, 1, 0, grid.start)
     count = max(2, at - 1)
     put_vec(points, count, 0, grid.goal)
-    put_vec(points, count + 1, 0, query.goal)
-    return count + 2
+    return count + 1
 
 
 def _smooth(memory: Memory, grid: SearchGrid, scene: Scene, met: int, query: Query, route: Array) -> int:
@@ -69,36 +68,19 @@ def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
 
 
 def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Array) -> tuple[int, int]:
-    """Fill `routes`: how many, and how the last search ended.
-
-    The first search does not know how long the route is, and so how far it leaves straight: when it leaves straight for
-    longer than nothing, the search is done again with that length. A search that nothing may pass behind the ends of is
-    done again without that condition when it is closed, unless that proves that there is no route.
-    """
-    straight, barred, again = 0.0, True, True
-    grid = route_grid(query, scene, straight, barred)
+    """Fill `routes`: how many, and how the last search ended."""
+    grid = route_grid(query)
     clear(memory)
     count, ended = 0, FOUND
     while count < routes.shape[0]:
         ended, met = explore(memory, grid, scene)
-        if ended == CLOSED and count == 0 and barred:
-            if query.prove and _proved_closed(memory, query, scene):
-                return 0, PROVED_CLOSED
-            barred = False
-            grid = route_grid(query, scene, straight, barred)
-            clear(memory)
-            continue
+        if ended == CLOSED and count == 0 and query.prove and _proved_closed(memory, query, scene):
+            return 0, PROVED_CLOSED
         if ended != FOUND:
             break
         points = _smooth(memory, grid, scene, met, query, routes[count])
         if points == 0:
             break
-        ahead = straight_length(query, span(routes[count], points))
-        if again and ahead > query.free_length:
-            again, straight = False, ahead
-            grid = route_grid(query, scene, straight, barred)
-            clear(memory)
-            continue
         counts[count] = points
         count += 1
         if count < routes.shape[0]:

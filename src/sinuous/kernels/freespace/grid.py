@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.fields.distances import Scene, closest
 from sinuous.kernels.freespace.keys import key_of, numbers_of
-from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, norm, sub
+from sinuous.kernels.maths.vectors import Vec, add_scaled, norm, sub
 
 HALF_DIAGONAL = 0.5 * math.sqrt(3.0)
 """Of a cell, in units of its edge."""
@@ -15,20 +15,19 @@ FINEST_STEP = 0.1
 
 SearchGrid = namedtuple(
     "SearchGrid",
-    "origin cell levels clearance ample radius free_margin reach start start_radius axis goal goal_radius back turn "
-    "inflation clearance_weight longest mode",
+    "origin cell levels clearance ample radius free_margin reach start start_radius goal goal_radius inflation "
+    "clearance_weight longest mode",
 )
 """What one search is about; lengths in the length unit.
 
 `origin` is the middle of the finest cell (0, 0, 0), `cell` the edge of these, and there are `levels` larger sizes.
 `clearance` is the distance from obstacles with which one of the finest can be passed, `ample` that of all that are
 joined to a larger one; `radius` is that of the body, `free_margin` the distance beyond it that costs nothing. Routes
-run from within `start_radius` of `start`, where they leave along the unit vector `axis`, to within `goal_radius` of
-`goal`, where the unit vector `back` points to where they come from (zero: from anywhere); within `turn` of both
-nothing passes behind them. From `origin` to `goal` no route is longer than `reach`, from `start` to `goal` none than
-`longest`. The search is a weighted A*: with `inflation` 1 the cheapest route is found; with more, one that costs at
-most so many times as much, after fewer cells. `clearance_weight` says how much dearer narrow places are. Distances are
-asked for in a mode of `solids`; a proof asks for upper bounds: what can be passed must not be taken for a wall."""
+run from within `start_radius` of `start` to within `goal_radius` of `goal`. From `origin` to `goal` none is longer than
+`reach`, from `start` to `goal` none than `longest`. The search is a weighted A*: with `inflation` 1 the cheapest route
+is found; with more, one that costs at most so many times as much, after fewer cells. `clearance_weight` says how much
+dearer narrow places are. Distances are asked for in a mode of `solids`; a proof asks for upper bounds: what can be
+passed must not be taken for a wall."""
 
 
 def middle(grid: SearchGrid, key: int) -> Vec:
@@ -51,18 +50,6 @@ def cell_at(grid: SearchGrid, p: Vec) -> int:
     o, h = grid.origin, grid.cell
     x, y, z = math.floor((p[0] - o[0]) / h + 0.5), math.floor((p[1] - o[1]) / h + 0.5), (p[2] - o[2]) / h + 0.5
     return key_of(0, x, y, math.floor(z))
-
-
-def behind(grid: SearchGrid, p: Vec, place: Vec, axis: Vec, spread: float) -> int:
-    """Whether what is nearer to `p` than `spread` is behind `place`: 0 nothing, 1 a part of it, 2 all.
-
-    Behind is what is so near that a route cannot leave along `axis` and turn there.
-    """
-    away = sub(p, place)
-    ahead, off = dot(away, axis) + grid.cell, norm(away)
-    if ahead >= spread or off >= grid.turn + spread or dot(axis, axis) == 0.0:
-        return 0
-    return 2 if ahead < -spread and off < grid.turn - spread else 1
 
 
 def walled(grid: SearchGrid, scene: Scene, one: int, other: int) -> bool:

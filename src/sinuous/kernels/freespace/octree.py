@@ -12,15 +12,12 @@ from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.distances import Scene, closest, work_of_all
 from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, EVALUATED, NONE, UNKNOWN, Memory, add_block, block_of
 from sinuous.kernels.freespace.cut_cells import beyond, cut_by, side_of
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, behind, middle
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, middle
 from sinuous.kernels.freespace.keys import child_of, numbers_of, octant_of, parent_of
 from sinuous.kernels.maths.vectors import norm, sub
 
 ROUND = 64.0
 """Cells that lie partly out of reach are divided where they are larger than the reach divided by this."""
-
-BAR = 8.0
-"""Cells that lie partly behind an end are divided where they are larger than the half ball there, divided by this."""
 
 LEAF = -2
 """What `block_at` returns for a cell that is not divided, less its number."""
@@ -42,14 +39,6 @@ def passable(grid: SearchGrid, scene: Scene, key: int) -> tuple[float, int]:
         return BLOCKED, NONE
     if far > -2.0 * spread and level > 0 and ROUND * edge > grid.reach:
         return DIVIDED, NONE
-    if grid.turn > 0.0:
-        large = level > 0 and BAR * edge > grid.turn
-        barred = max(
-            behind(grid, p, grid.start, grid.axis, spread if large else 0.0),
-            behind(grid, p, grid.goal, grid.back, spread if large else 0.0),
-        )
-        if barred > 0:
-            return (DIVIDED, NONE) if large and barred == 1 else (BLOCKED, NONE)
     enough = spread + grid.ample
     d, which = closest(scene, p, max(grid.radius + grid.free_margin, enough, 2.0 * h), grid.mode)
     if d < grid.clearance - spread:

@@ -8,7 +8,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene, work_of_all
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
 from sinuous.kernels.freespace.grid import SearchGrid
-from sinuous.kernels.freespace.query import Query, read_query, route_grid, straight_length
+from sinuous.kernels.freespace.query import Query, read_query, route_grid
 from sinuous.kernels.maths import buckets
 from sinuous.kernels.maths.buckets import Buckets
 from sinuous.kernels.maths.buffers import cut, cut_whole
@@ -161,12 +161,11 @@ def _search(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array, 
 
 def _draw(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one that was found; returns how many points it has."""
-    line, count, place = roadmap.spare, 4, roadmap.before[GOAL_PLACE]
+    line, count, place = roadmap.spare, 3, roadmap.before[GOAL_PLACE]
     while place != START_PLACE:
         count, place = count + 1, roadmap.before[place]
     put_vec(line, 0, 0, query.origin)
-    put_vec(line, count - 1, 0, query.goal)
-    at, place = count - 2, GOAL_PLACE
+    at, place = count - 1, GOAL_PLACE
     while at > 0:
         put_vec(line, at, 0, get_vec(roadmap.places, place, 0))
         at, place = at - 1, roadmap.before[place]
@@ -179,19 +178,13 @@ def _draw(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route:
 
 
 def _find(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles: Array, route: Array) -> int:
-    """See `find_by_edges`. Where the route leaves straight for longer than nothing, it is sought again from there."""
-    straight, points = 0.0, 0
-    for _ in range(2):
-        grid = route_grid(query, scene, straight, True)
-        if not _straight(roadmap, grid, scene, triangles):
-            count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
-            if not _search(roadmap, grid, scene, triangles, count):
-                return 0
-        points = _draw(roadmap, grid, scene, query, route)
-        straight = straight_length(query, span(route, points))
-        if straight <= query.free_length:
-            break
-    return points
+    """See `find_by_edges`."""
+    grid = route_grid(query)
+    if not _straight(roadmap, grid, scene, triangles):
+        count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
+        if not _search(roadmap, grid, scene, triangles, count):
+            return 0
+    return _draw(roadmap, grid, scene, query, route)
 
 
 @entry

@@ -1,4 +1,4 @@
-"""Places that a route may turn at: beside the edges of boxes, and about its ends.
+"""Places that a route may turn at: beside the edges of boxes and meshes.
 
 A shortest path among polyhedra turns at their edges alone (Lozano-Perez & Wesley 1979). A place lies so far off an edge
 that a ball passes, and is pushed to where there is more room: in a door, to its middle.
@@ -11,7 +11,7 @@ from sinuous.kernels.fields.distances import Scene, closest, obstacle, work_of_a
 from sinuous.kernels.fields.primitives import axis_of
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.grid import SearchGrid
-from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, put_vec, scale, sub
 from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING_RADIUS, SIGN
 
 EDGE_OFFSET = 1.15
@@ -25,12 +25,6 @@ ALIKE = 0.5
 
 PLACE_PUSHES = 6
 """How often a place is pushed."""
-
-TURNING_PLACES = 8
-"""Places about an end, across its tangent, where a route may turn back."""
-
-ABOUT = 1.05
-"""How far they are away, in units of the turn that the body needs."""
 
 
 def _push(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
@@ -62,20 +56,6 @@ def _add(scene: Scene, grid: SearchGrid, places: Array, count: int, p: Vec, cloc
             return count
     put_vec(places, count, 0, p)
     return count + 1
-
-
-def _add_about(scene: Scene, grid: SearchGrid, places: Array, count: int, end: tuple[Vec, Vec], clock: Array) -> int:
-    """Note places about an end, of which the place and the unit tangent are given (zero: there is none)."""
-    place, tangent = end
-    if norm(tangent) == 0.0 or grid.turn == 0.0:
-        return count
-    a, b = across(tangent)
-    count = _add(scene, grid, places, count, add_scaled(place, grid.turn, tangent), clock)
-    for i in range(TURNING_PLACES):
-        angle = 2.0 * math.pi * i / TURNING_PLACES
-        side = add(scale(math.cos(angle), a), scale(math.sin(angle), b))
-        count = _add(scene, grid, places, count, add_scaled(place, ABOUT * grid.turn, side), clock)
-    return count
 
 
 def _nearest_to_line(grid: SearchGrid, p: Vec, axis: Vec, half: float) -> float:
@@ -125,8 +105,7 @@ def put_places(scene: Scene, grid: SearchGrid, edges: Array, places: Array, cloc
     """
     put_vec(places, 0, 0, grid.start)
     put_vec(places, 1, 0, grid.goal)
-    count = _add_about(scene, grid, places, 2, (grid.start, grid.axis), clock)
-    count = _add_about(scene, grid, places, count, (grid.goal, grid.back), clock)
+    count = 2
     for i in range(scene.table.shape[0]):
         if scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0:
             count = _add_box(scene, grid, places, count, i, clock)

@@ -5,7 +5,7 @@ import math
 from sinuous.kernels.fields.distances import Scene, closest, is_large, work_of_all
 from sinuous.kernels.fields.hierarchy import crossed_leaf, item_of, tree_over
 from sinuous.kernels.fields.solids import INTERPOLATED
-from sinuous.kernels.freespace.grid import SearchGrid, behind
+from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_mat, get_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, HIERARCHY_HEADER, KIND, SIGN
 
@@ -17,10 +17,7 @@ SHORTEST_STEP = 0.15
 """Shortest step along a line, in radii of the body."""
 
 MOST_STEPS = 8192
-"""Most steps along a line, but for those that are short because an end is near."""
-
-END_STEP = 0.25
-"""Longest step near an end, in units of the turn that a body needs there."""
+"""Most steps along a line."""
 
 
 def _within(low: float, high: float, p: float, line: float, half: float) -> tuple[float, float]:
@@ -130,26 +127,16 @@ def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tu
     return int(which), asked
 
 
-def _step_about(grid: SearchGrid, p: Vec, place: Vec) -> float:
-    """Longest step from `p` that passes over nothing behind an end."""
-    return max(norm(sub(p, place)) - grid.turn, END_STEP * grid.turn)
-
-
 def in_sight(scene: Scene, grid: SearchGrid, a: Vec, b: Vec) -> tuple[bool, int]:
-    """Whether a ball can be moved straight from `a` to `b`, but not behind an end; and the evaluations that took."""
+    """Whether a ball can be moved straight from `a` to `b`; and the evaluations that took."""
     line, clear = sub(b, a), LINE_CLEARANCE * grid.radius
     length = norm(line)
     gone, units = 0.0, 0
     while gone < length:
         p = add_scaled(a, gone / length, line)
-        if behind(grid, p, grid.start, grid.axis, 0.0) > 0 or behind(grid, p, grid.goal, grid.back, 0.0) > 0:
-            return False, units
         d, _ = closest(scene, p, clear + length - gone, INTERPOLATED)
         units += 1
         if d < clear:
             return False, units
-        step = max(d - clear, SHORTEST_STEP * grid.radius, length / MOST_STEPS)
-        if grid.turn > 0.0:
-            step = min(step, _step_about(grid, p, grid.start), _step_about(grid, p, grid.goal))
-        gone += step
+        gone += max(d - clear, SHORTEST_STEP * grid.radius, length / MOST_STEPS)
     return True, units

@@ -92,7 +92,7 @@ class RouteCandidates:
     ----------
     searches : Searches
     question : IKQuery
-    query : ndarray (27,)
+    query : ndarray (23,)
         What routes have to keep.
     without : collection of str
         Attempts that are switched off.
@@ -324,7 +324,7 @@ class RouteCandidates:
         return np.stack(legs)
 
     def _leg(self, query: Floats) -> Floats | None:
-        """Return the route (K, 3) of one leg (27,), around edges or over cells; `None` where none is found.
+        """Return the route (K, 3) of one leg (23,), around edges or over cells; `None` where none is found.
 
         Over cells the first that is clear; where none is, the last.
         """

@@ -48,8 +48,6 @@ from sinuous.kernels.tables import (
     QUERY_LONGEST,
     QUERY_ORIGIN,
     QUERY_SHORTEST,
-    QUERY_STRAIGHT_MAX,
-    QUERY_STRAIGHT_MIN,
     QUERY_WIDTH,
     TARGET_POSITION,
     TARGET_SEGMENT,
@@ -344,7 +342,7 @@ def segments_of(groups: Groups) -> list[int]:
 
 
 def query_of(groups: Groups) -> Floats | None:
-    """Return what a route to the most distal target has to keep (27,); `None`: no target has a position.
+    """Return what a route to the most distal target has to keep (23,); `None`: no target has a position.
 
     See `sinuous.kernels.tables`.
     """
@@ -353,7 +351,7 @@ def query_of(groups: Groups) -> Floats | None:
 
 
 def leg_queries(groups: Groups) -> list[Floats]:
-    """What routes have to keep from target to target (l, 28): none where one target has a position, or none has.
+    """What routes have to keep from target to target (l, 23): none where one target has a position, or none has.
 
     Each leg begins where the one before it ends. See `sinuous.kernels.tables`.
     """
@@ -380,7 +378,7 @@ def straight_legs(groups: Groups) -> Floats:
 def set_route_start(query: Floats, place: Floats, along: Floats) -> None:
     """Let the route of a query begin at a place (3,) with a unit tangent (3,), without what the base asks for."""
     query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_AXIS : QUERY_AXIS + 3] = place, along
-    query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
+    query[QUERY_FREE_LENGTH] = 0.0
 
 
 def set_route_end(query: Floats, place: Floats, along: Floats) -> None:

@@ -69,31 +69,33 @@ def command(module: str, answer: str) -> Callable[[type[Asked]], type[Asked]]:
 @command("work", "solve_files")
 @dataclass(frozen=True, kw_only=True)
 class Solve:
-    """Meet a target, or several at once."""
+    """Find a shape that reaches a target, or several at once."""
 
     files: list[str] = argument(FILES)
     solving: Remembering
     output: Output
-    why: bool = flag("Say why it ended so, and what would help; all of that is tried.")
-    why_time: float | None = opt("Time for --why; default 2.", "SECONDS")
-    all: int | None = opt("Find up to so many distinct solutions, best first.", "COUNT")
+    why: bool = flag("Say why this is the answer, and which changes would help; each was tried.")
+    why_time: float | None = opt("Time for --why; by default 2.", "SECONDS")
+    all: int | None = opt("Find up to this many distinct solutions, best first.", "COUNT")
     by: str | None = opt(
-        "Of --all: route (one solution a class; the default among obstacles) or shape (all distinct ones)."
+        "For --all: route, one per way past the obstacles (the default where there are any); or shape, every shape."
     )
 
 
 @command("work", "track_files")
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """Follow a path, each target from the last."""
+    """Follow a path with the tip, from waypoint to waypoint."""
 
     files: list[str] = argument(FILES)
     solving: Remembering
     output: MotionOutput
     timed: Timed
-    deviation: float | None = opt("How far the tip may be from the straight line between waypoints.", "LENGTH")
+    deviation: float | None = opt(
+        "How far the tip may be from the line between waypoints; by default ten position tolerances.", "LENGTH"
+    )
     reconfigure: str | None = opt(
-        "refuse or allow: may the tip leave that line where the robot cannot follow it? By default as in the file.",
+        "allow or refuse: may the tip leave the line where the robot cannot follow it? By default as in the file.",
         "WORD",
     )
 
@@ -101,29 +103,29 @@ class Track:
 @command("work", "plan_files")
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Plan a motion from a start to a target or goal. It is clear all the way."""
+    """Plan a motion from a start to a target or goal, clear of obstacles all the way."""
 
     files: list[str] = argument(FILES)
     solving: PlanSolving
     output: MotionOutput
     timed: Timed
-    shortcuts: int = opt("How many random places of the motion are tried to be joined directly.", "COUNT", 0)
-    begin: float = opt("When the motion begins, where obstacles move.", "TIME", 0.0)
+    shortcuts: int = opt("How many shortcuts between random places of the motion to try.", "COUNT", 0)
+    begin: float = opt("Time at which the motion begins; it matters where obstacles move.", "TIME", 0.0)
 
 
 @command("places", "batch_file")
 @dataclass(frozen=True, kw_only=True)
 class Batch:
-    """Solve the targets of a table, any number. Interrupted, the same command goes on."""
+    """Solve all targets of a table. After an interrupt the same command goes on."""
 
     file: str = argument(PLACE)
-    targets: Path = opt("Targets, a row each: .csv, .npz or .parquet.", "TABLE", REQUIRED, show_default=False)
-    out: Path = opt("Results, of the same kinds.", "TABLE", REQUIRED, show_default=False)
+    targets: Path = opt("Table of targets, one per row: .csv, .npz or .parquet.", "TABLE", REQUIRED, show_default=False)
+    out: Path = opt("Table of results to write: .csv, .npz or .parquet.", "TABLE", REQUIRED, show_default=False)
     columns: str | None = opt(COLUMNS.format("--out", "row and status"), "NAME,...")
     solving: BatchSolving
     crew: Working
-    chunk: int = opt("What is solved, and written, together.", "ROWS", 10_000)
-    shard: str | None = opt("Only this part of the chunks; without it, all parts are joined.", "I/N")
+    chunk: int = opt("How many rows are solved, and then written, at a time.", "ROWS", 10_000)
+    shard: str | None = opt("Solve only part I of N of the chunks; without it, parts that are there are joined.", "I/N")
     warm: bool = opt("Gone: see --memory.", default=False, flag=True, hidden=True)
     json: bool = flag(JSON)
 
@@ -131,51 +133,57 @@ class Batch:
 @command("places", "explore_file")
 @dataclass(frozen=True, kw_only=True)
 class Explore:
-    """Fill a memory with shapes and proved motions. Later solves and plans in this scene begin from them."""
+    """Fill a memory with shapes and proved motions, from which later solves and plans in this scene begin."""
 
     file: str = argument(PLACE)
     solving: ExploreSolving
     crew: Working
-    memory: Path = opt("What is filled; when it is there, it goes on.", "FILE", REQUIRED, show_default=False)
-    rounds: int | None = opt("Most rounds; by default as many as the time allows.", "COUNT")
-    spacing: float | None = opt("How near covers a position; by default a 20th of the reach.", "LENGTH")
+    memory: Path = opt("The memory to fill; one that exists is added to.", "FILE", REQUIRED, show_default=False)
+    rounds: int | None = opt("Most rounds of sampling; by default as many as the time allows.", "COUNT")
+    spacing: float | None = opt(
+        "Distance within which a known shape covers a position; by default 1/20 of the reach.", "LENGTH"
+    )
     json: bool = flag(JSON)
 
 
 @command("places", "reach_file")
 @dataclass(frozen=True, kw_only=True)
 class Reach:
-    """Map what the robot reaches, and why not more. Both among its obstacles and without them."""
+    """Map what the robot reaches among its obstacles and without them, and why not more."""
 
     file: str = argument(PLACE)
     solving: MapSolving
-    spacing: float | None = opt("Edge of a voxel; by default a 35th of the reach.", show_default=False)
-    directions: int | None = opt("Of the tangent, in each voxel; by default 0: positions alone.", "COUNT")
-    toward: str | None = opt("One direction of the tangent, instead of --directions.", "X,Y,Z")
-    within: float | None = opt("How far the tangent may be off a direction, rad.", "ANGLE")
+    spacing: float | None = opt("Edge of a voxel; by default 1/35 of the reach.", "LENGTH")
+    directions: int | None = opt(
+        "How many directions of the tangent to ask for in each voxel; by default 0, positions alone.", "COUNT"
+    )
+    toward: str | None = opt("Ask for this one direction of the tangent, instead of --directions.", "X,Y,Z")
+    within: float | None = opt(
+        "How far the tangent may be off a direction, in rad; by default the tolerance of angles.", "ANGLE"
+    )
     workers: int | None = opt(WORKERS, "COUNT")
     json: bool = flag(JSON)
-    plot: Path | None = opt("Draw the map; .html is a page.", "FILE")
-    out: Path | None = opt("Write the map as NPZ.", "FILE")
+    plot: Path | None = opt("Draw the map: .png, .svg or .pdf, or a page to turn, .html.", "FILE")
+    out: Path | None = opt("Write the map, .npz.", "FILE")
 
 
 @command("places", "train_file")
 @dataclass(frozen=True, kw_only=True)
 class Train:
-    """Train the networks of the method learned. They give the robot shapes for targets."""
+    """Train the networks of the method `learned`, which guess shapes for targets."""
 
     file: str = argument(PLACE)
-    out: Path = opt("Write the networks.", "NPZ", REQUIRED, show_default=False)
-    samples: int = opt("Targets of each kind to learn from.", "COUNT", 5_000)
-    width: int = opt("Units of each of the two hidden layers.", "COUNT", 64)
-    rounds: int = opt("How often all targets are gone through.", "COUNT", 40)
-    seed: int = opt("Of the targets; the same seed gives the same networks.", default=0)
+    out: Path = opt("File of the networks to write, .npz.", "FILE", REQUIRED, show_default=False)
+    samples: int = opt("How many targets of each kind to learn from.", "COUNT", 5_000)
+    width: int = opt("Units in each of the two hidden layers.", "COUNT", 64)
+    rounds: int = opt("Passes over all targets (epochs).", "COUNT", 40)
+    seed: int = opt("Seed of the targets; the same seed gives the same networks.", default=0)
 
 
 @command("check", "check_files")
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """Say what files contain; verify their starts."""
+    """Say what problem files contain, what is suspicious in them, and verify their starts."""
 
     files: list[str] = argument(FILES)
     json: bool = flag(JSON)
@@ -184,16 +192,24 @@ class Check:
 @command("calibrate", "calibrate_file")
 @dataclass(frozen=True, kw_only=True)
 class Calibrate:
-    """Fit a robot to measurements."""
+    """Fit the parameters of a robot to measurements."""
 
     file: str = argument("A problem file, or a file with a robot.")
-    measured: str = argument("Columns: actuators, and x,y,z.", "MEASURED.csv")
-    fit: list[str] | None = opt("What to fit, as base,offsets,stiffness; else it is chosen; may be repeated.")
-    unit: float = opt("Length units of the robot in one of the measurements.", default=1.0)
-    frame: str = opt("Whose pose is fitted, and where gravity is known: base or device.", default="base")
-    motion: Path | None = opt("Rows of one motion: the robot has the bound of these.", "ROWS.csv")
-    out: Path | None = opt("Write the calibrated robot.", "ROBOT.yaml")
-    plot: Path | None = opt("Draw errors over rows and patterns.", "FILE.png")
+    measured: str = argument("Measured rows: a column for each actuator, and x,y,z.", "MEASURED.csv")
+    fit: list[str] | None = opt("What to fit, such as base,offsets,stiffness; by default it is chosen.", "NAME,...")
+    unit: float = opt(
+        "How many length units of the robot one unit of the measurements is; mm measured for a robot in m: 0.001.",
+        "NUMBER",
+        default=1.0,
+    )
+    frame: str = opt(
+        "Whose pose is fitted: base, of the robot, in the frame of the device; or device, in the world.", default="base"
+    )
+    motion: Path | None = opt(
+        "Rows measured along one motion; the written robot gets the error bound of these.", "ROWS.csv"
+    )
+    out: Path | None = opt("Write the calibrated robot, YAML or JSON.", "ROBOT.yaml")
+    plot: Path | None = opt("Draw the errors of rows and of patterns of motion.", "FILE.png")
     json: bool = flag(JSON)
 
 
@@ -203,10 +219,10 @@ class View:
     """Show a problem in the browser, to be solved by dragging."""
 
     file: str = argument("A problem file, YAML or JSON.")
-    html: Path | None = opt("Write the page, with the answer, into one file instead.", "OUT")
-    result: Path | None = opt("Begin with what solve, track or plan wrote (--out) for it.", "RESULTS")
-    host: str = opt("Address to listen at; of this machine alone by default.", "ADDRESS", "127.0.0.1")
-    port: int = opt("Port to listen at, or the next one that is free.", default=8080, min=0, max=65535)
+    html: Path | None = opt("Write the page with the answer into a file, and open nothing.", "FILE")
+    result: Path | None = opt("Begin with a result that solve, track or plan wrote for this file by --out.", "FILE")
+    host: str = opt("Address to listen at; the default is heard on this machine alone.", "ADDRESS", "127.0.0.1")
+    port: int = opt("Port to listen at; if it is taken, the next free one.", default=8080, min=0, max=65535)
     browser: bool = opt("Open the page in the browser.", default=True)
     memory: Path | None = opt(REMEMBERED, "FILE")
     demanded: Demands
@@ -231,37 +247,43 @@ def _kinds_like(begun: str) -> list[str]:
 class New:
     """Write a commented problem file to start from."""
 
-    kind: str = argument("tendon, pneumatic, insertion or inspection.", None, autocompletion=_kinds_like)
+    kind: str = argument(
+        "What kind of robot and task: tendon, pneumatic, insertion or inspection.", None, autocompletion=_kinds_like
+    )
     file: Path = argument("The file to write.")
-    force: bool = flag("Write over a file that is there.")
+    force: bool = flag("Replace a file that exists.")
 
 
 @command("warm", "warm_up")
 @dataclass(frozen=True, kw_only=True)
 class Warm:
-    """Compile everything now, once on this machine."""
+    """Compile all kernels now, which is done once on a machine."""
 
-    method: list[str] | None = opt("Only what this method needs; may be repeated.", autocompletion=methods_like)
-    where: bool = flag("Say where compiled kernels are kept.")
-    clear: bool = flag("Remove what is compiled.")
-    profile: bool = flag("Print the seconds of what is compiled.")
+    method: list[str] | None = opt("Compile only what this method needs; may be repeated.", autocompletion=methods_like)
+    where: bool = flag("Print the folder of the compiled kernels.")
+    clear: bool = flag("Delete all compiled kernels.")
+    profile: bool = flag("Print how many CPU seconds each kernel took to compile.")
 
 
 @command("design", "design_file")
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """Find the robot that does all tasks of a file. It has the least of something, such as actuators."""
+    """Find the robot that does all tasks of a file with the least of something, such as actuators."""
 
-    file: str = argument("Robot, scene, tasks, and what is varied.")
+    file: str = argument("A file of a robot, a scene, tasks, and what is varied.")
     solving: DesignSolving
-    minimise: str | None = opt("Instead of what the file says: actuators, length, bend, ...", "NAME[,NAME]")
-    vary: list[str] | None = opt("Or FIELD=VALUE,VALUE; beside those of the file; may be repeated.", "FIELD=LOW:HIGH")
-    robots: int | None = opt("Robots that are judged.", "COUNT")
-    budget: float | None = opt("Time for all of them.", "SECONDS")
+    minimise: str | None = opt(
+        "What to minimise, instead of what the file says: actuators, length, bend, ...", "NAME[,NAME]"
+    )
+    vary: list[str] | None = opt(
+        "Vary this too, within an interval or among FIELD=VALUE,VALUE,...; may be repeated.", "FIELD=LOW:HIGH"
+    )
+    robots: int | None = opt("Most robots to try; by default 2000.", "COUNT")
+    budget: float | None = opt("Time for the whole search; by default 60.", "SECONDS")
     workers: int | None = opt(WORKERS, "COUNT")
-    out: Path | None = opt("Write the best robot, as YAML or JSON; goes on if interrupted.", "FILE")
-    csv: Path | None = opt("Write the front as a table.", "FILE")
-    plot: Path | None = opt("Draw the front: .png, .svg, .pdf.", "FILE")
+    out: Path | None = opt("Write the best robot, YAML or JSON. After an interrupt the same command goes on.", "FILE")
+    csv: Path | None = opt("Write the best robots (the Pareto front) as a table.", "FILE")
+    plot: Path | None = opt("Draw the Pareto front: .png, .svg or .pdf.", "FILE")
     json: bool = flag(JSON)
 
 

@@ -63,12 +63,12 @@ def argument(help: str, metavar: str | None = "FILE", **look: Any) -> Any:
     return opt(help, metavar, REQUIRED, **{"of": typer.Argument, "show_default": False, **look})
 
 
-FILES, PLACE = "Problem files, YAML or JSON.", "A problem file, whose targets are left alone."
+FILES, PLACE = "Problem files, YAML or JSON.", "A problem file; its targets are not used."
 JSON = "Print one JSON object a line, and nothing else."
-STARTS, WORKERS = "Most starts of one solve.", "Threads or processes; by default one a core."
-COLUMNS = "Columns of {} after {}, in this order; by default all."
+STARTS, WORKERS = "Most starts of one solve.", "Number of threads or processes; by default one per core."
+COLUMNS = "Which columns of {} follow {}, in this order; by default all."
 ROUTES = "Search for routes through free space where the first starts fail."
-REMEMBERED = "Shapes to begin from, of earlier commands; what is solved is added."
+REMEMBERED = "Memory of earlier commands: solves begin from its shapes, and add theirs."
 """What is said of options that several commands have."""
 
 
@@ -77,9 +77,11 @@ class Demands:
     """Clearances that are demanded."""
 
     clearance: str | None = opt(
-        "Distance from obstacles that the body keeps; or one a segment: 1,1,2; wrist=2.", "LENGTH"
+        "Least distance of the body from obstacles, in the unit of the file; or one per segment: 1,1,2 or wrist=2. By "
+        "default that of the file.",
+        "LENGTH",
     )
-    self_clearance: str | None = opt("The same of the body from itself.", "LENGTH")
+    self_clearance: str | None = opt("Least distance of the body from itself, given in the same way.", "LENGTH")
 
     def read(self) -> dict[str, Any]:
         """Return them as arguments: a number, or one for each segment, or some by names.
@@ -98,15 +100,15 @@ class Solving:
     """How solves are done."""
 
     method: str = opt(
-        "Algorithm: newton, or a method of the literature, such as dls or fabrikc.",
+        "Algorithm: newton (our own), or a method of the literature, such as dls or fabrikc.",
         default="newton",
         autocompletion=methods_like,
     )
-    option: list[str] | None = opt("Option of the algorithm; may be repeated.", "KEY=VALUE")
-    time: float = opt("Budget of one solve.", "SECONDS", 1.0)
-    max_starts: int | None = opt("Most starts of one solve; else as many as the time allows.", "COUNT")
+    option: list[str] | None = opt("An option of the algorithm; may be repeated.", "KEY=VALUE")
+    time: float = opt("Most time for one solve.", "SECONDS", 1.0)
+    max_starts: int | None = opt("Most starts of one solve; by default as many as the time allows.", "COUNT")
     routes: bool = opt(ROUTES, default=True)
-    seed: int = opt("Of the random starts; the same seed gives the same answer.", default=0)
+    seed: int = opt("Seed of the random starts; the same seed gives the same answer.", default=0)
     demanded: Demands
 
     def arguments(self, tolerance: "Tolerance | None" = None, prefer: "Preferences | None" = None) -> dict[str, Any]:
@@ -159,7 +161,7 @@ class Remembering(Solving):
 class PlanSolving(Remembering):
     """How a plan is solved."""
 
-    time: float = opt("Budget of one plan.", "SECONDS", 5.0)
+    time: float = opt("Most time for one plan.", "SECONDS", 5.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,16 +169,16 @@ class BatchSolving(Solving):
     """How each target of a batch is solved."""
 
     max_starts: int = opt(STARTS, "COUNT", 100)
-    time: float = opt("Budget of one target.", "SECONDS", 0.1)
-    memory: Path | None = opt("Shapes to begin from, of earlier commands; it is only read.", "FILE")
+    time: float = opt("Most time for one target.", "SECONDS", 0.1)
+    memory: Path | None = opt("Memory of earlier commands: solves begin from its shapes; nothing is added.", "FILE")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExploreSolving(Solving):
     """How positions are solved while a place is explored."""
 
-    max_starts: int = opt("Most starts of a position anywhere.", "COUNT", 24)
-    time: float = opt("Time of all of it.", "SECONDS", 60.0)
+    max_starts: int = opt("Most starts for one position.", "COUNT", 24)
+    time: float = opt("Time for the whole exploration.", "SECONDS", 60.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,8 +200,10 @@ class MapSolving(Solving):
 class Working:
     """Who works on what takes long."""
 
-    engine: str = opt("threads or processes.", default="threads")
-    dask: str | None = opt("Workers of this Dask scheduler; local: some on this machine.", "ADDRESS")
+    engine: str = opt("Run on threads or processes of this machine.", default="threads")
+    dask: str | None = opt(
+        "Run on the workers of this Dask scheduler instead; local starts some on this machine.", "ADDRESS"
+    )
     workers: int | None = opt(WORKERS, "COUNT")
 
     def arguments(self) -> dict[str, Any]:
@@ -232,10 +236,11 @@ class Output:
 
     json: bool = flag(JSON)
     plot: Path | None = opt(
-        "Draw it: .png, .svg, .pdf; .gif, .mp4 move; .html to turn; several files are numbered.", "FILE"
+        "Draw the answer: .png, .svg or .pdf; .gif or .mp4 for a motion; .html to turn it. Several are numbered.",
+        "FILE",
     )
     out: Path | None = opt("Write the results as JSON lines.", "FILE")
-    csv: Path | None = opt("Write configurations and actuators as a table; several files are numbered.", "FILE")
+    csv: Path | None = opt("Write configurations and actuators as a table. Several are numbered.", "FILE")
     columns: str | None = opt(COLUMNS.format("--csv", "the first"), "NAME,...")
 
     @property
@@ -268,7 +273,7 @@ class Output:
 class MotionOutput(Output):
     """Where motions go."""
 
-    rate: float | None = opt("Rows of --csv in a unit of time; by default one a knot.", "HZ")
+    rate: float | None = opt("Rows of --csv per unit of time; by default one per computed configuration.", "HZ")
 
     def check(self, files: list[str]) -> None:
         """See `Output.check`."""
@@ -285,9 +290,13 @@ class MotionOutput(Output):
 class Timed:
     """In which times a motion is passed."""
 
-    duration: float | None = opt("How long the motion takes; by default 1, or as short as rates allow.", "TIME")
-    timed: bool = flag("Pass the way as fast as rates and accelerations of the file allow.")
-    blend: float | None = opt("With --timed: round corners by that much, instead of stopping in each.", "LENGTH")
+    duration: float | None = opt(
+        "How long the motion takes; by default as short as rates of the file allow, else 1, or 1 per waypoint.", "TIME"
+    )
+    timed: bool = flag("Move as fast as the rates and accelerations of the file allow.")
+    blend: float | None = opt(
+        "With --timed: round corners by at most this distance, instead of stopping at each.", "LENGTH"
+    )
 
     def check(self) -> None:
         """Refuse what cannot be meant.

@@ -98,6 +98,7 @@ def test_a_column_in_front_has_times() -> None:
         ("1,2,3\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
         ("x,y,z,dx\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
         ("x;y;w\n1;2;3\n", "line 1", "expected x,y,z or x,y,z,dx,dy,dz or"),
+        ("Name;X;Y;Z;nx\na;1;2;3;0\n", "line 1", "unknown columns Name, nx; expected x,y,z or"),
         ("x,y,z\n", "line 1", "expected at least one target"),
         ("x,y,z\n\n1,2\n", "line 3", "has 2 cells; expected as many as in line 1: x,y,z"),
         ("x,y,z\n1,2,nan\n", "line 2.z", "expected a finite number, got '"),

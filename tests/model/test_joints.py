@@ -114,6 +114,9 @@ def test_configurations_are_put_together_and_taken_apart() -> None:
         np.testing.assert_array_equal(arcs, np.broadcast_to(q, (3, *q.shape)))
         np.testing.assert_array_equal(robot.configuration("initial", (joints, q)), robot.with_joints(q, joints))
         assert robot.excess(robot.with_joints(q, joints)) == 0.0
+        named = dict(reversed([*zip(robot.joint_names, joints.tolist(), strict=True)]))
+        np.testing.assert_array_equal(robot.configuration("initial", (named, q)), robot.with_joints(q, named))
+        np.testing.assert_array_equal(robot.with_joints(q, named), robot.with_joints(q, joints))
     assert panda().with_joints(None, np.zeros((4, 7))).shape == (4, len(panda()), 3)
 
 
@@ -142,6 +145,10 @@ def test_shapes_that_do_not_fit_are_refused() -> None:
     refused("joints", lambda: ARM.tip(np.stack([Q, Q, Q]), np.zeros((2, 2))), "broadcast")
     refused("initial.joints", lambda: ARM.configuration("initial", ([0.0], Q)))
     refused("joints", lambda: sn.Robot.uniform(2, 1.0).tip(Q, [0.5]))
+    refused(
+        "joints", lambda: ARM.tip(Q, {"rol": 0.1, "j2": 0.0}), "no joint is called 'rol'; expected some of roll, j2"
+    )
+    refused("joints", lambda: ARM.tip(Q, {"roll": 0.1}), "a value for each: j2")
 
 
 def test_joints_that_cannot_be_are_refused() -> None:

@@ -46,7 +46,10 @@ Batch = HasArray | Sequence[Entry]
 Stack = HasArray | Sequence[Number | Entry]
 """An array with at least one axis."""
 
-Pair = tuple[Stack, Batch | None]
+JointValues = Stack | Mapping[str, Number | Stack]
+"""Values (..., j) of the joints that move in the order of `Robot.joint_names`, or (...) under their names."""
+
+Pair = tuple[JointValues, Batch | None]
 """Values (..., j) of the joints of a robot, and q (..., n, 3) of its segments."""
 
 JointsAndBatch = Batch | Pair

@@ -410,3 +410,29 @@ def refuse_repeated(named: Iterable[tuple[str, str]]) -> None:
 def motor_columns(actuators: Iterable[str], joints: Collection[str]) -> list[str]:
     """Names of the columns of motors in tables: those of actuators, `roll.motor` beside a joint `roll`."""
     return [f"{name}.motor" if name in joints else name for name in actuators]
+
+
+MOST_NAMED = 4
+"""Names that a refusal names."""
+
+
+def few(names: Sequence[str]) -> str:
+    """The first of some names, and how many more there are."""
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED + 1 else ""
+    return ", ".join(names[:MOST_NAMED] if more else names) + more
+
+
+def in_order(
+    key: str, values: Mapping[str, Any], names: Sequence[str], noun: str = "actuator", *, finite: bool = True
+) -> Floats:
+    """Values (..., m) in the order of these names, of values (...) under them; those that are measured may be NaN."""
+    for name in values:
+        if name not in names:
+            raise InputError(key, f"no {noun} is called {shown(name)}", name, f"some of {few(names)}")
+    missing = [name for name in names if name not in values]
+    if missing:
+        raise InputError(key, "missing", None, f"a value for each: {few(missing)}")
+    with inside(key):
+        each = [stack(name, values[name], ()) if finite else np.asarray(values[name], float) for name in names]
+        parts = broadcast("", values, *each) if each else []
+    return np.stack(parts, axis=-1) if parts else np.zeros(0)

@@ -277,6 +277,8 @@ MEANT = {
     "ratio": "gain: of displacements to what the motors count",
     "gear": "gain of tendons, chambers and stages: of displacements to what the motors count",
     "diameter": "radius, half of it",
+    "unit": "scale: units of the scene in one of the file, 0.001 from mm to m",
+    "units": "scale: units of the scene in one of the file, 0.001 from mm to m",
     "r": "'radius'",
     "n": "'count'",
     "number": "'count'",

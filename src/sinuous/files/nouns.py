@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.checks import MOST_SEGMENTS, Floats, segment_number
+from sinuous.base.checks import MOST_SEGMENTS, Floats, few, segment_number
 from sinuous.base.errors import InputError, suggested
 from sinuous.base.text_tables import axis_of, read_table
 from sinuous.files.documents import join, parse_json, read_part, read_text
@@ -415,8 +415,11 @@ def parse_path(text: str) -> PathTable:
     timed = TIME in names
     columns = next((each for each in HEADERS if sorted([*each, *([TIME] * timed)]) == sorted(names)), None)
     if columns is None:
+        known = {name for header in HEADERS for name in (*header, TIME)}
+        unknown = [own for own, name in zip(table.names or (), names, strict=True) if name not in known]
+        problem = f"unknown columns {few(unknown)}" if unknown else ""
         expected = " or ".join(",".join(h) for h in HEADERS) + ", perhaps with t"
-        raise InputError("line 1", "", ",".join(table.names or ()) or text[:100], expected)
+        raise InputError("line 1", problem, ",".join(table.names or ()) or text[:100], expected)
     if not rows:
         raise InputError("line 1", "", text, "at least one target")
     places = [names.index(name) for name in columns]

@@ -1,15 +1,14 @@
 """From the values of actuators back to configurations: least squares, once factored for every robot."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.base import checks
 from sinuous.base.arguments import ActuatorValues, Batch
-from sinuous.base.checks import Floats
-from sinuous.base.errors import InputError, shown, warn_of
+from sinuous.base.checks import Floats, in_order
+from sinuous.base.errors import InputError, warn_of
 from sinuous.base.frozen import Frozen
 from sinuous.model.actuation import Actuation, flat, product
 from sinuous.model.actuators import Each, checked_each
@@ -17,9 +16,6 @@ from sinuous.model.segment import COORDINATES
 
 RANK = 1e-9
 """Actuators that are as nearly dependent as this, relative to their weights, count as dependent."""
-
-MOST_NAMED = 4
-"""Coordinates or names that a refusal names."""
 
 CONTRADICTION = 1e-6
 """By how much the values of actuators may contradict each other without a word, in mean lengths of the robot: what
@@ -86,12 +82,6 @@ class Inverse(Frozen):
         ]
 
 
-def some_of(coordinates: Sequence[str]) -> str:
-    """Name some of the coordinates, and how many more there are."""
-    more = f" and {len(coordinates) - MOST_NAMED} more" if len(coordinates) > MOST_NAMED else ""
-    return ", ".join(coordinates[:MOST_NAMED]) + more
-
-
 def fitting(
     values: ActuatorValues | None, initial: Batch | None, names: Sequence[str], segments: int
 ) -> tuple[Floats, Floats | None]:
@@ -106,26 +96,6 @@ def fitting(
     near = checks.stack("initial", initial, (segments, 3))
     checks.broadcast("initial", initial, given[..., :1], near[..., 0, :1])
     return given, near
-
-
-def in_order(key: str, values: Mapping[str, Any], names: Sequence[str], *, finite: bool = True) -> Floats:
-    """Values (..., m) of all actuators, of values (...) under their names; those that are measured may be NaN."""
-    for name in values:
-        if name not in names:
-            raise InputError(key, f"no actuator is called {shown(name)}", name, f"some of {few(names)}")
-    missing = [name for name in names if name not in values]
-    if missing:
-        raise InputError(key, "missing", None, f"a value for each: {few(missing)}")
-    with checks.inside(key):
-        each = [checks.stack(name, values[name], ()) if finite else np.asarray(values[name], float) for name in names]
-        parts = checks.broadcast("", values, *each) if each else []
-    return np.stack(parts, axis=-1) if parts else np.zeros(0)
-
-
-def few(names: Sequence[str]) -> str:
-    """The first of some names, and how many more there are."""
-    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED + 1 else ""
-    return ", ".join(names[:MOST_NAMED] if more else names) + more
 
 
 def answer_contradictions(

@@ -14,7 +14,7 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.arguments import Limits, Number, Rows, Vector
-from sinuous.base.checks import Floats, closed, optional_name
+from sinuous.base.checks import Floats, closed, in_order, optional_name
 from sinuous.base.documents import plain, pose_arguments
 from sinuous.base.errors import InputError, counted, span, suggested
 from sinuous.base.frozen import Noun
@@ -372,7 +372,7 @@ def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -
     q : array_like (..., r, 3), (..., n, 3), a pair, or a list of pairs
         Of all r rows, or of the n segments. The pair has values (..., j) of the joints, then q (..., n, 3).
         `None` is q where there are no segments.
-    joints : array_like (..., j), optional
+    joints : array_like (..., j), or mapping from names to array_like (...), optional
         Where `q` is that of the segments alone.
     """
     if isinstance(q, list) and q and all(map(is_pair, q)):
@@ -386,7 +386,9 @@ def joined(rigid: RigidRows, count: int, key: str, q: Any, joints: Any = None) -
             return rigid.with_joints(checks.stack(key, q, (count, 3)), np.zeros(0))
         wanted = f"finite numbers of shape (..., {rows}, 3), or (..., {count}, 3) with joints (..., {moving})"
         return checks.stack(key, q, (rows, 3), wanted)
-    values = checks.stack("joints", joints, (moving,))
+    named = isinstance(joints, Mapping)
+    ordered = in_order("joints", joints, [rigid.rows[k].name for k in rigid.values], "joint") if named else joints
+    values = checks.stack("joints", ordered, (moving,))
     arcs = checks.stack(key, np.zeros((0, 3)) if q is None and count == 0 else q, (count, 3))
     checks.broadcast("joints", joints, arcs[..., 0, 0] if count else arcs.sum((-2, -1)), values.sum(-1))
     return rigid.with_joints(arcs, values)
@@ -397,7 +399,7 @@ def is_pair(value: Any) -> bool:
     if not isinstance(value, tuple) or len(value) != 2:
         return False
     try:
-        return value[1] is None or np.ndim(value[1]) == np.ndim(value[0]) + 1
+        return value[1] is None or isinstance(value[0], Mapping) or np.ndim(value[1]) == np.ndim(value[0]) + 1
     except ValueError:
         return False
 

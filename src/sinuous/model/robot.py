@@ -14,6 +14,7 @@ from sinuous.base.arguments import (
     ActuatorValues,
     Batch,
     JointsAndBatch,
+    JointValues,
     Limits,
     Number,
     OneEach,
@@ -25,7 +26,16 @@ from sinuous.base.arguments import (
     Which,
     Whole,
 )
-from sinuous.base.checks import MOST_SEGMENTS, Floats, each_segment, optional_name, refuse_repeated, segment_number
+from sinuous.base.checks import (
+    MOST_SEGMENTS,
+    Floats,
+    each_segment,
+    few,
+    in_order,
+    optional_name,
+    refuse_repeated,
+    segment_number,
+)
 from sinuous.base.documents import counted, described, write_document
 from sinuous.base.entrance import Renamed, import_late
 from sinuous.base.errors import InputError, answers_attributes, listed, number
@@ -34,7 +44,7 @@ from sinuous.kernels import packing, tables
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
 from sinuous.model.coordinates import find_home
-from sinuous.model.inverse import Inverse, answer_contradictions, fitting, in_order, some_of
+from sinuous.model.inverse import Inverse, answer_contradictions, fitting
 from sinuous.model.joints import (
     Joint,
     RigidRow,
@@ -491,7 +501,7 @@ class Robot(NotebookMixin, Frozen):
         """What is locked or bends in one plane, and why; and lengths that no actuator moves."""
         loose = self._loose_lengths
         them = "it" if len(loose) == 1 else "them"
-        said = (f"no actuator moves length of {some_of(loose)}; give {them} a stage, or one length",) if loose else ()
+        said = (f"no actuator moves length of {few(loose)}; give {them} a stage, or one length",) if loose else ()
         return *self.held_notes, *self._open_notes, *said
 
     @property
@@ -502,7 +512,7 @@ class Robot(NotebookMixin, Frozen):
         lengths = {f"length of {name} (" for name in self._loose_lengths}
         own = tuple(f"joint {name!r}" for name in self.joint_names)
         left = [each for each in self.undetermined if not each.startswith((*lengths, *own))]
-        return (f"actuators alone do not determine {some_of(left)}",) if left else ()
+        return (f"actuators alone do not determine {few(left)}",) if left else ()
 
     @property
     def _loose_lengths(self) -> tuple[str, ...]:
@@ -579,7 +589,7 @@ class Robot(NotebookMixin, Frozen):
         return driven
 
     def configuration(
-        self, key: str, q: JointsAndBatch | list[Pair] | Stack | None, joints: Stack | None = None
+        self, key: str, q: JointsAndBatch | list[Pair] | Stack | None, joints: JointValues | None = None
     ) -> Floats:
         """Check configurations of all rows (..., rows, 3), or q (..., n, 3) with joints; limits are not looked at.
 
@@ -589,7 +599,7 @@ class Robot(NotebookMixin, Frozen):
             What it is called where it is refused.
         q : array_like (..., r, 3), (..., n, 3), or a pair
             Of all r rows, or of the n segments. The pair has values (..., j) of the joints, then q (..., n, 3).
-        joints : array_like (..., j), optional
+        joints : array_like (..., j), or mapping from names to array_like (...), optional
             Where `q` is that of the segments alone.
         """
         if not self._rigid.rows and joints is None:
@@ -615,7 +625,7 @@ class Robot(NotebookMixin, Frozen):
         base = self.forward(whole)[len(self._rigid.rows) - 1]
         return self.changed(joints=(), base=base), np.array(self.segments_of(whole))
 
-    def with_joints(self, q: Batch | None, joints: Stack) -> Floats:
+    def with_joints(self, q: Batch | None, joints: JointValues) -> Floats:
         """Configurations (..., rows, 3) of the segments' q (..., n, 3) and the values (..., j) of the joints.
 
         `q` may be `None` for a robot without segments.
@@ -644,7 +654,7 @@ class Robot(NotebookMixin, Frozen):
         """Names of the joints that move, in the order of their values; by default `j1`, `j2`, ..."""
         return tuple(self.row_names[row] for row in self._rigid.values)
 
-    def forward(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
+    def forward(self, q: JointsAndBatch | None, joints: JointValues | None = None) -> Floats:
         """Poses (..., rows, 4, 4) of the ends of all rows in the world; the tool is not applied.
 
         Rows are the joints and the capsules of their links, if there are any, then the n segments. The end of a joint
@@ -653,12 +663,12 @@ class Robot(NotebookMixin, Frozen):
         _, frames, lead = self._frames(q, joints)
         return _poses_of(frames[:, 1:]).reshape(*lead, len(self), 4, 4)
 
-    def tip(self, q: JointsAndBatch | None, joints: Stack | None = None) -> Floats:
+    def tip(self, q: JointsAndBatch | None, joints: JointValues | None = None) -> Floats:
         """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
         _, frames, lead = self._frames(q, joints)
         return _poses_of(frames[:, -1]).reshape(*lead, 4, 4) @ self.tool
 
-    def backbone(self, q: JointsAndBatch | None, samples: Whole = 20, joints: Stack | None = None) -> Floats:
+    def backbone(self, q: JointsAndBatch | None, samples: Whole = 20, joints: JointValues | None = None) -> Floats:
         """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment.
 
         Joints and capsules of links count as segments before them; the last n * samples points are those of the arm,
@@ -672,7 +682,9 @@ class Robot(NotebookMixin, Frozen):
         batch.points_of(flat, frames, count, points)
         return points.reshape(*lead, *points.shape[1:])
 
-    def jacobian(self, q: JointsAndBatch | None, segment: Which | None = None, joints: Stack | None = None) -> Floats:
+    def jacobian(
+        self, q: JointsAndBatch | None, segment: Which | None = None, joints: JointValues | None = None
+    ) -> Floats:
         """Geometric Jacobian (..., 6, j + 3 n) of the end of a segment.
 
         `segment` is its number, 1 = first, or its name; the last one, which is the default, means the tool.
@@ -686,7 +698,7 @@ class Robot(NotebookMixin, Frozen):
         """Return the columns of joints, then of segments (..., j + 3 n), of columns (..., 3 rows)."""
         return of_rows[..., self._rigid.flat(len(self))] if self._rigid.rows else of_rows
 
-    def _row_jacobian(self, q: JointsAndBatch | None, end: int, joints: Stack | None = None) -> Floats:
+    def _row_jacobian(self, q: JointsAndBatch | None, end: int, joints: JointValues | None = None) -> Floats:
         """Geometric Jacobian (..., 6, 3 rows) of the end of a row (1 = first)."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
@@ -697,7 +709,9 @@ class Robot(NotebookMixin, Frozen):
         )
         return out.reshape(*lead, 6, 3 * len(self))
 
-    def _frames(self, q: JointsAndBatch | None, joints: Stack | None = None) -> tuple[Floats, Floats, tuple[int, ...]]:
+    def _frames(
+        self, q: JointsAndBatch | None, joints: JointValues | None = None
+    ) -> tuple[Floats, Floats, tuple[int, ...]]:
         """Configurations (m, n, 3), the frames (m, n + 1, 12) of base and ends of segments, and axes in front."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
@@ -872,7 +886,7 @@ class Robot(NotebookMixin, Frozen):
         """
         values, reference = self._fitting(actuators, initial)
         if reference is None and self.undetermined:
-            expected = f"a configuration for what no actuator determines: {some_of(self.undetermined)}"
+            expected = f"a configuration for what no actuator determines: {few(self.undetermined)}"
             raise InputError("initial", "missing", None, expected)
         found = self.without_load(self.drive.motors.displacements(values), reference)
         answer_contradictions(self.drive, values, found, tolerance, self.mean_length)

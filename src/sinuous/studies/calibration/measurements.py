@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from sinuous.base import checks
 from sinuous.base.arguments import ActuatorValues, HasArray, Number, Rows, Stack
-from sinuous.base.checks import Floats
+from sinuous.base.checks import Floats, few, in_order
 from sinuous.base.errors import InputError
 from sinuous.base.text_tables import axis_of
 from sinuous.base.text_tables import read_table as read_text_table
 from sinuous.files.documents import read_text
-from sinuous.model.inverse import in_order, some_of
 from sinuous.model.robot import Robot
 
 AXIS_LEVER = 0.1
@@ -117,7 +116,7 @@ def refuse_loose(robot: Robot) -> None:
     if not len(robot.drive):
         raise InputError("robot", "has no actuators", robot, "tendons, chambers, stages or Actuators")
     if robot.undetermined:
-        problem = f"no actuator determines {some_of(robot.undetermined)}"
+        problem = f"no actuator determines {few(robot.undetermined)}"
         raise InputError("robot", problem, robot, "a robot whose shape follows from its actuators")
 
 

@@ -44,6 +44,9 @@ def test_what_plan_wrote_is_shown(run: Run) -> None:
 
 
 def test_without_viser_it_is_said_how_to_get_it(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [*sys.modules]:
+        if name.startswith(("viser", "sinuous.cli.view", "sinuous.view.page")):  # as where they never were imported
+            monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "viser", None)
     for typed in ("view easy.yaml", "solve easy.yaml --plot x.html"):
         assert "pip install sinuous[view]" in run(typed, 2).err

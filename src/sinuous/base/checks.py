@@ -428,7 +428,8 @@ def in_order(
     """Values (..., m) in the order of these names, of values (...) under them; those that are measured may be NaN."""
     for name in values:
         if name not in names:
-            raise InputError(key, f"no {noun} is called {shown(name)}", name, f"some of {few(names)}")
+            known = f"some of {few(names)}" if names else "none"
+            raise InputError(key, f"no {noun} is called {shown(name)}", name, known)
     missing = [name for name in names if name not in values]
     if missing:
         raise InputError(key, "missing", None, f"a value for each: {few(missing)}")

@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.view.display.contents import Arm, MovingArm
 from sinuous.view.page.model import PLAYED_SECONDS
-from sinuous.view.page.show import FEWEST_FRAMES, MOST_FRAMES, frames_of
+from sinuous.view.page.record import FEWEST_FRAMES, MOST_FRAMES, frames_of
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 SCENE = sn.Scene([sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")])

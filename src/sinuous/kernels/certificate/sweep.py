@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.pieces import MANY
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
-from sinuous.kernels.chain.kinematics import forward, frame, put_frame
+from sinuous.kernels.chain.kinematics import forward, frame, interpolate, put_frame
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.maths.buffers import cut, cut_whole
@@ -84,14 +84,7 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     return Sweep(q, frames, reach, reached, near, counts, rates, spans, among, pairs, left, paces, balls, still, clock)
 
 
-def at_time(q0: Array, q1: Array, t: float, out: Array) -> None:
-    """Fill `out` (n, 3) with the configuration at time t."""
-    for k in range(q0.shape[0]):
-        for j in range(3):
-            out[k, j] = (1.0 - t) * q0[k, j] + t * q1[k, j]
-
-
 def knot(motion: Motion, t: float, sweep: Sweep, at: int) -> None:
     """Put the configuration at time t into a place of the sweep, with its frames."""
-    at_time(motion.q0, motion.q1, t, sweep.q[at])
+    interpolate(motion.q0, motion.q1, t, sweep.q[at])
     forward(motion.limits, sweep.q[at], sweep.frames[at])

@@ -6,8 +6,7 @@ The tip's acceleration is bounded as `sweep` says. So between two of its places,
 
 import math
 
-from sinuous.kernels.certificate.sweep import at_time
-from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
+from sinuous.kernels.chain.kinematics import compose, forward, frame, interpolate, put_frame
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_vec, norm, scale, sub, transpose
 from sinuous.kernels.problem import read_robot
@@ -57,7 +56,7 @@ def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, 
     begin = get_vec(line, 0, 0)
     along, far = sub(get_vec(line, 1, 0), begin), 0.0
     for i in range(TIP_PIECES + 1):
-        at_time(ends[0], ends[1], i / TIP_PIECES, q)
+        interpolate(ends[0], ends[1], i / TIP_PIECES, q)
         forward(own.limits, q, frames)
         rotation, position = frame(frames, q.shape[0])
         far = max(far, _distance(compose(rotation, position, offset, shift)[1], begin, along))
@@ -84,7 +83,7 @@ def turn_off(robot: Array, ends: Array, line: Array, turn: Array, q: Array, fram
     along, angle, three = sub(get_vec(line, 1, 0), begin), turn[1, 0], turn[1, 1] > 1.0
     most = 0.0
     for i in range(1, TIP_PIECES):
-        at_time(ends[0], ends[1], i / TIP_PIECES, q)
+        interpolate(ends[0], ends[1], i / TIP_PIECES, q)
         forward(own.limits, q, frames)
         rotation, position = frame(frames, q.shape[0])
         columns, place = compose(rotation, position, offset, shift)

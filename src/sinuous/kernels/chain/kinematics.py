@@ -172,3 +172,17 @@ def _pass_rigid_with_columns(limits: Array, q: Array, frames: Array, columns: Ar
         k += 1
         put_frame(frames, k, rotation, position)
     return k
+
+
+def interpolate(begin: Array, end: Array, fraction: float, out: Array) -> None:
+    """Fill `out` with the table that is this fraction of the way from one to another."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = (1.0 - fraction) * begin[i, j] + fraction * end[i, j]
+
+
+def shorten(begin: Array, end: Array, fraction: float) -> None:
+    """Leave of the way from one table (n, 3) to another, which becomes its new end, this fraction."""
+    for k in range(end.shape[0]):
+        for i in range(3):
+            end[k, i] = begin[k, i] + fraction * (end[k, i] - begin[k, i])

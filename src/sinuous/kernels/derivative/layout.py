@@ -8,6 +8,7 @@ none.
 
 from collections import namedtuple
 
+from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
@@ -50,9 +51,12 @@ were more active rows than there is room for; preferences have chosen the answer
 MOST_ACTIVE = 256
 """Most rows of limits and contacts."""
 
-Workspace = namedtuple("Workspace", "q frames columns near spans pairs rows about sides forces system moved way values")
+Workspace = namedtuple(
+    "Workspace", "q frames columns near spans pairs asked rows about sides forces system moved way values"
+)
 """A configuration (n, 3), frames (n + 1, 12), columns (n, 18); numbers of obstacles (m,) int64; spans and self-contacts
-as `body.self_contacts` has them; rows (r, 3 n), what is known about them (r, 12), and their right sides (r, p); what
+as `body.self_contacts` has them; what targets ask, as the `Rows` of a step; rows (r, 3 n), what is known about them
+(r, 12), and their right sides (r, p); what
 becomes of these while the system is solved (r, p); the triangular factor of the system (r, r); what a unit of each
 parameter moves (3 n, p); and the way to targets that are not quite met (3 n, 1), with the right side of it (r, 1)."""
 
@@ -71,11 +75,12 @@ def answer_size(segments: int, targets: int, columns: int) -> int:
 def workspace_size(segments: int, obstacles: int, targets: int, columns: int) -> int:
     """Numbers (float64) of workspace beside the answer."""
     n, r = segments, most_rows(segments, targets)
-    return 36 * n + 12 + obstacles + SPAN_WIDTH * (n + 1) + MOST_PAIRS * (1 + 3 * n) + r * (r + 1 + columns)
+    own = 36 * n + 12 + obstacles + SPAN_WIDTH * (n + 1) + rows_size(n, 6 * targets)
+    return own + MOST_PAIRS * (1 + 3 * n) + r * (r + 1 + columns)
 
 
 def carve_workspace(
-    buffer: Array, answer: Array, base: Array, obstacles: int, sizes: tuple[int, int, int]
+    buffer: Array, answer: Array, base: Array, obstacles: int, targets: int, sizes: tuple[int, int, int]
 ) -> Workspace:
     """Lay out a workspace in `buffer`, and the answer behind its header; `base` (1, 12).
 
@@ -94,8 +99,11 @@ def carve_workspace(
     way, rest = cut(rest, 3 * n, 1)
     values, rest = cut(rest, r, 1)
     forces, rest = cut(rest, r, p)
+    asked = pick_rows(carve_rows(rest, 1, n, 6 * targets), 0)
     moved, told = cut(answer[ANSWER_HEADER:], 3 * n, p)
     rows, told = cut(told, r, 3 * n)
     about, told = cut(told, r, ABOUT_WIDTH)
     sides, told = cut(told, r, p)
-    return Workspace(q, frames, columns, near, spans, pairs, rows, about, sides, forces, system, moved, way, values)
+    return Workspace(
+        q, frames, columns, near, spans, pairs, asked, rows, about, sides, forces, system, moved, way, values
+    )

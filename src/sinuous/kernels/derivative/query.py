@@ -184,7 +184,7 @@ def _derive(
     """
     problem = read_problem(robot, scene, settings, targets)
     sizes = q.shape[0], asked[d.ROWS], asked[d.COLUMNS]
-    work = carve_workspace(workspace, answer, problem.base, number_of(problem.scene), sizes)
+    work = carve_workspace(workspace, answer, problem.base, number_of(problem.scene), targets.shape[0], sizes)
     copy(q, work.q)
     count, met, residual, status = _find_rows(problem, work, keep)
     if keep < math.inf:

@@ -12,20 +12,7 @@ from sinuous.kernels.derivative import layout as v
 from sinuous.kernels.derivative.layout import Workspace
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.solids import LOWER_BOUND
-from sinuous.kernels.maths.vectors import (
-    ZERO,
-    Array,
-    Vec,
-    across,
-    cross,
-    dot,
-    get_vec,
-    norm,
-    put_vec,
-    scale,
-    sub,
-    vec_mat,
-)
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, dot, get_vec, put_vec, scale, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import is_equality
 from sinuous.kernels.step.limits import (
@@ -37,7 +24,7 @@ from sinuous.kernels.step.limits import (
     plane_range,
     possible_bend,
 )
-from sinuous.kernels.step.targets import X, Y, Z, end_pose, end_segment, miss_of
+from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.velocity.contacts import closest_place
 from sinuous.kernels.velocity.layout import (
     ACTUATOR_LIMIT,
@@ -87,39 +74,20 @@ def _put_end(work: Workspace, at: int, k: int, torque: Vec, force: Vec) -> None:
         put_vec(work.rows, at, 3 * j, pull_along(work.columns, j, torque, force))
 
 
-def _target_row(work: Workspace, at: int, i: int, k: int, torque: Vec, force: Vec, value: float) -> int:
-    _begin(work, at, v.TARGET_ROW, k, i, 0, value)
-    _put_end(work, at, k, torque, force)
-    return at + 1
-
-
 def add_targets(problem: Problem, work: Workspace) -> tuple[int, float]:
     """Write the rows of all targets; returns their number, and the largest residual (robot lengths, rad).
 
     The slack of such a row is its residual.
     """
-    targets, n = problem.targets, work.q.shape[0]
-    origin, inverse = frame(work.frames, 0)[1], 1.0 / problem.unit
+    targets, origin, asked = problem.targets, frame(work.frames, 0)[1], work.asked
     at, worst = 0, 0.0
     for i in range(targets.shape[0]):
-        k = end_segment(targets, i, n)
-        rotation, position = end_pose(work.frames, problem.tool, k)
-        miss, turn = miss_of(targets, i, rotation, position)
-        worst = max(worst, inverse * norm(miss), norm(turn))
-        if targets[i, t.HAS_POSITION] != 0.0:
-            arm = scale(inverse, sub(position, origin))
-            at = _target_row(work, at, i, k, cross(arm, X), scale(inverse, X), inverse * miss[0])
-            at = _target_row(work, at, i, k, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
-            at = _target_row(work, at, i, k, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
-        if targets[i, t.ORIENTATION] == t.ROTATION:
-            at = _target_row(work, at, i, k, X, ZERO, turn[0])
-            at = _target_row(work, at, i, k, Y, ZERO, turn[1])
-            at = _target_row(work, at, i, k, Z, ZERO, turn[2])
-        elif targets[i, t.ORIENTATION] == t.DIRECTION:
-            a, b = across((rotation[0][2], rotation[1][2], rotation[2][2]))
-            at = _target_row(work, at, i, k, a, ZERO, dot(turn, a))
-            at = _target_row(work, at, i, k, b, ZERO, dot(turn, b))
-            worst = max(worst, norm(turn))
+        k, first = end_segment(targets, i, work.q.shape[0]), at
+        at, miss, turn = add_rows(targets, i, work.frames, problem.tool, origin, problem.unit, asked, at)
+        worst = max(worst, miss / problem.unit, turn)
+        for j in range(first, at):
+            _begin(work, j, v.TARGET_ROW, k, i, 0, asked.value[j])
+            _put_end(work, j, k, get_vec(asked.twist, j, 0), get_vec(asked.twist, j, 3))
     return at, worst
 
 

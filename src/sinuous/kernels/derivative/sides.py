@@ -9,7 +9,7 @@ from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.derivative import layout as d
 from sinuous.kernels.derivative.layout import Workspace
 from sinuous.kernels.fields.distances import Scene
-from sinuous.kernels.maths.vectors import Array, Mat, Vec, cross, dot, get_vec, mat_vec, put_vec, scale, sub
+from sinuous.kernels.maths.vectors import Array, Vec, cross, dot, get_vec, put_vec, scale, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bends_in_plane, possible_bend
 from sinuous.kernels.step.targets import end_segment
@@ -30,12 +30,6 @@ CIRCLE, RADIUS_OF, ACTUATOR_NUMBER = range(3)
 circle (length), and the number of the actuator."""
 
 
-def _nothing(table: Array) -> None:
-    for i in range(table.shape[0]):
-        for j in range(table.shape[1]):
-            table[i, j] = 0.0
-
-
 def place_of(scene: Scene, i: int) -> Vec:
     """The place that an obstacle turns about: its center, or the origin of the frame that it is described in."""
     kind = scene.table[i, t.KIND]
@@ -49,7 +43,7 @@ def place_of(scene: Scene, i: int) -> Vec:
 def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array, work: Workspace, count: int) -> None:
     """Fill `work.sides` for the first `count` rows."""
     sides, about = work.sides[:count], work.about
-    _nothing(sides)
+    sides[:] = 0.0
     for at in range(count):
         wrench = (get_vec(about, at, d.ROW_WRENCH), get_vec(about, at, d.ROW_WRENCH + 3))
         if asked[d.BASE] >= 0:
@@ -68,7 +62,7 @@ def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
 
     The length of a segment that cannot stretch moves that segment, and where a search begins moves everything.
     """
-    _nothing(moved)
+    moved[:] = 0.0
     for k in range(problem.limits.shape[0]):
         if asked[d.LENGTHS] >= 0 and problem.limits[k, t.LENGTH_SCALE] == 0.0:
             moved[3 * k + 2, asked[d.LENGTHS] + k] = 1.0
@@ -96,15 +90,9 @@ def _of_target(problem: Problem, asked: Array, work: Workspace, at: int, wrench:
     if asked[d.TOOL] >= 0 and end_segment(targets, i, n) == n - 1:
         rotation = frame(work.frames, n)[0]
         if placed:
-            put_vec(sides, at, asked[d.TOOL] + 3, scale(-1.0, _across(force, rotation)))
+            put_vec(sides, at, asked[d.TOOL] + 3, scale(-1.0, vec_mat(force, rotation)))
         else:
-            put_vec(sides, at, asked[d.TOOL], scale(-1.0, _across(torque, rotation)))
-
-
-def _across(a: Vec, m: Mat) -> Vec:
-    """The transpose of a matrix times a vector."""
-    x, y, z = mat_vec(((m[0][0], m[1][0], m[2][0]), (m[0][1], m[1][1], m[2][1]), (m[0][2], m[1][2], m[2][2])), a)
-    return x, y, z
+            put_vec(sides, at, asked[d.TOOL], scale(-1.0, vec_mat(torque, rotation)))
 
 
 def _of_constraint(

@@ -8,7 +8,8 @@ from collections import namedtuple
 
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.certificate.query import CLEARANCES, UNTIL, VERDICT
-from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, LEAST_SEEN, PROVED_BOUND, at_time
+from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, LEAST_SEEN, PROVED_BOUND
+from sinuous.kernels.chain.kinematics import interpolate
 from sinuous.kernels.clock import late
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.planning.space import (
@@ -154,7 +155,7 @@ def _place(space: Space, path: Path, count: int, along: float, out: Array) -> in
     for i in range(count - 1):
         length = distance(path.q[i], path.q[i + 1], space.levers)
         if along <= length or i == count - 2:
-            at_time(path.q[i], path.q[i + 1], min(1.0, along / length) if length > 0.0 else 0.0, out)
+            interpolate(path.q[i], path.q[i + 1], min(1.0, along / length) if length > 0.0 else 0.0, out)
             return i
         along -= length
     return 0

@@ -20,7 +20,8 @@ from sinuous.kernels.certificate.proof import (
     touches_too,
 )
 from sinuous.kernels.certificate.self_proof import passed_over
-from sinuous.kernels.certificate.sweep import Motion, at_time
+from sinuous.kernels.certificate.sweep import Motion
+from sinuous.kernels.chain.kinematics import interpolate
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.step.actuation import admissible_step, settle
 from sinuous.kernels.step.scattered import scattered, uniform
@@ -65,7 +66,7 @@ def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
     """Fill `out` (n, 3) with random configuration number `index`: within all limits when `start` (n, 3) is."""
     scattered(space.robot.limits, index, seed, 2.0 * math.pi, out)
     settle(space.robot.limits, space.robot.actuation, out)
-    at_time(start, out, admissible_step(space.robot.actuation, start, out), out)
+    interpolate(start, out, admissible_step(space.robot.actuation, start, out), out)
 
 
 def seems_clear(space: Space, p: Array, q: Array, finest: float) -> bool:

@@ -10,7 +10,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.kernels.certificate.sweep import at_time
+from sinuous.kernels.chain.kinematics import interpolate
 from sinuous.kernels.clock import SEGMENT_WORK, late, spend
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
 from sinuous.kernels.planning.space import Space, distance, draw, probe_edge, prove_edge, random, squared_distance
@@ -65,13 +65,13 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
     new, begin = trees.counts[side], trees.q[side, at]
     far = distance(begin, goal, space.levers)
     part = min(1.0, terms.step / far) if far > 0.0 else 1.0
-    at_time(begin, goal, part, trees.q[side, new])
+    interpolate(begin, goal, part, trees.q[side, new])
     if far > 0.0:
         whole = part * far
         part *= probe_edge(space, begin, trees.q[side, new], terms.back / whole, terms.least / whole, terms.back)
         if part * far < terms.least:
             return -1, False
-        at_time(begin, goal, part, trees.q[side, new])
+        interpolate(begin, goal, part, trees.q[side, new])
     clear, until = True, 1.0
     if terms.proves:
         verdict, until = prove_edge(space, begin, trees.q[side, new], terms.finest, True)
@@ -82,7 +82,7 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
             return -1, False
     count = min(max(1, math.ceil(part * far / terms.spacing)), trees.q.shape[1] - new)
     for i in range(count):
-        at_time(begin, goal, part * (i + 1) / count, trees.q[side, new + i])
+        interpolate(begin, goal, part * (i + 1) / count, trees.q[side, new + i])
         trees.parents[side, new + i] = at if i == 0 else new + i - 1
     trees.counts[side] = new + count
     return new + count - 1, clear and part >= 1.0
@@ -114,7 +114,7 @@ def _keep_others(space: Space, begin: Array, index: int, seed: int, drawn: Array
     for k in range(n):
         if k < min(one, other) or k > max(one, other):
             put_vec(drawn, k, 0, get_vec(begin, k, 0))
-    at_time(begin, drawn, admissible_step(space.robot.actuation, begin, drawn), drawn)
+    interpolate(begin, drawn, admissible_step(space.robot.actuation, begin, drawn), drawn)
 
 
 def grow(space: Space, trees: Trees, terms: GrowthTerms, first: int, last: int) -> tuple[int, int, int]:

@@ -21,6 +21,7 @@ length is linear in the state there, so that its tension leaves the straight way
 import math
 from collections import namedtuple
 
+from sinuous.kernels.chain.kinematics import interpolate
 from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, get_vec, norm
@@ -143,9 +144,7 @@ def measure_departure(
     `base` (1, 12); `sections` (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; the rest see `Way`; `sagitta`
     (n, 3). `buffer` has `measure_size` numbers.
     """
-    space, rest = carve(buffer, x.shape[1], lines.shape[0], slopes)
-    for j in range(12):
-        space.frames[0, j] = base[0, j]
+    space, rest = carve(buffer, base, x.shape[1], lines.shape[0], slopes)
     own, _ = carve_departure(rest, sections, carried, lines, sagitta, x.shape[1])
     depart(own, Way(q, held, x, tensions), space, CLOSE, answer)
     for i in range(lines.shape[0]):
@@ -160,16 +159,12 @@ def measure_size(segments: int, arcs: int, lines: int, slopes: int) -> int:
 def lay_between(own: Departure, way: Way, share: float, arcs: Array) -> None:
     """Fill arcs (N, 22), lines, and the state and tensions that are linear between both shapes, at a share of it."""
     less = 1.0 - share
-    for s in range(own.q.shape[0]):
-        for j in range(3):
-            own.q[s, j] = less * way.q[0, s, j] + share * way.q[1, s, j]
+    interpolate(way.q[0], way.q[1], share, own.q)
     for i in range(own.lines.shape[0]):
         own.held[i, 3 * own.q.shape[0]] = less * way.held[0, i] + share * way.held[1, i]
         own.tensions[i] = less * way.tensions[0, i] + share * way.tensions[1, i]
     fill(own.sections, own.held, own.q, arcs, own.lines, own.states)
-    for k in range(own.x.shape[0]):
-        for j in range(4):
-            own.x[k, j] = less * way.x[0, k, j] + share * way.x[1, k, j]
+    interpolate(way.x[0], way.x[1], share, own.x)
 
 
 @shared
@@ -190,12 +185,8 @@ def depart(own: Departure, way: Way, space: Workspace, accuracy: float, answer: 
     lay_between(own, way, 0.5, own.arcs[2 * N :])
     evaluate_state(own.x, own.tensions, _body(own), 1.0, space)
     seen = max(seen, _residual(own, space))
-    left = (
-        seen
-        + (_bound_elastic(own) + _bound_loads(own)) / (8.0 * PARTS * PARTS)
-        + _bound_slackening(own, way)
-        + _bound_gradient_change(own)
-    )
+    curved = (_bound_elastic(own) + _bound_loads(own)) / (8.0 * PARTS * PARTS)
+    left = seen + curved + _bound_slackening(own, way) + _bound_gradient_change(own)
     least = _least_eigenvalue(own, space, accuracy)
     for i in range(BALLS if least > 0.0 else 0):
         growth = 1.25 if i == 0 else 1.6 if i == 1 else 2.5 if i == 2 else 4.0
@@ -216,15 +207,11 @@ def _fill_departure(own: Departure, off: float, answer: Array) -> None:
     for k in range(own.x.shape[0]):
         turn += 0.125 * (bounds[k, BEND_SIZE] * rolled * rolled + 2.0 * bounds[k, BEND_CHANGE] * rolled)
         rolled += bounds[k, TORSION_CHANGE]
-        far = (bounds[k, LENGTH_SIZE] + bounds[k, LENGTH_FACTOR] * off) * bounds[k, ANGLE_FACTOR] + bounds[
-            k, LENGTH_FACTOR
-        ]
-        deviation += off * far + bounds[k, LENGTH_SIZE] * (turn + bounds[k, SAGITTA_SUM]) + bounds[k, SAGITTA_LENGTH]
-    answer[DEVIATION], answer[TURN], answer[OFF] = (
-        deviation,
-        off * bounds[last, ANGLE_FACTOR] + turn + bounds[last, SAGITTA_SUM],
-        off,
-    )
+        size, factor = bounds[k, LENGTH_SIZE], bounds[k, LENGTH_FACTOR]
+        far = (size + factor * off) * bounds[k, ANGLE_FACTOR] + factor
+        deviation += off * far + size * (turn + bounds[k, SAGITTA_SUM]) + bounds[k, SAGITTA_LENGTH]
+    answer[DEVIATION], answer[OFF] = deviation, off
+    answer[TURN] = off * bounds[last, ANGLE_FACTOR] + turn + bounds[last, SAGITTA_SUM]
 
 
 def _greater_compliance(one: float, other: float) -> float:
@@ -326,6 +313,12 @@ def _stiffness(row: Array, i: int) -> float:
     return float((1.0 + row[GROWTH]) / soft) if soft > 0.0 else 0.0
 
 
+def _dual_square(row: Array, bend: float, turn: float, pull: float) -> float:
+    """Square, in the dual norm, of what acts on bend, torsion and length."""
+    soft, twisting, stretching = row[BEND_COMPLIANCE], row[TORSION_COMPLIANCE], row[STRETCH_COMPLIANCE]
+    return float(soft * bend * bend + twisting * turn * turn + stretching * pull * pull)
+
+
 def _second(growth: float, value: float, once: float, twice: float) -> float:
     """Second derivative of a stiffness that goes with 1 / length, times something; in units of that stiffness.
 
@@ -349,11 +342,7 @@ def _bound_elastic(own: Departure) -> float:
         turn = _stiffness(row, 0) * _second(g, 0.5 * v * c, once, twice) if twists else 0.0
         turn += _stiffness(row, 1) * _second(g, tau, dtau, 0.0)
         pull = _stiffness(row, 2) * _second(g, row[LENGTH_SIZE], 2.0 * row[LENGTH_CHANGE], 0.0)
-        total += (
-            row[BEND_COMPLIANCE] * bend * bend
-            + row[TORSION_COMPLIANCE] * turn * turn
-            + row[STRETCH_COMPLIANCE] * pull * pull
-        )
+        total += _dual_square(row, bend, turn, pull)
     return math.sqrt(total)
 
 
@@ -381,17 +370,10 @@ def _bound_gradient_change(own: Departure) -> float:
         turn = 0.5 * stiff * (b * (v + c) + g * v * c) if row[TORSION_COMPLIANCE] > 0.0 else 0.0
         turn += _stiffness(row, 1) * g * row[TORSION]
         pull = _stiffness(row, 2) * g * row[LENGTH_SIZE]
-        square += (
-            row[BEND_COMPLIANCE] * bend * bend
-            + row[TORSION_COMPLIANCE] * turn * turn
-            + row[STRETCH_COMPLIANCE] * pull * pull
-        )
+        square += _dual_square(row, bend, turn, pull)
         moved = row[LENGTH_SIZE] * sagittas * share + row[SAGITTA_LENGTH] * share + sagittas * long
-        total += (
-            row[WEIGHT_BEYOND] * moved
-            + row[WEIGHT_LOST] * (row[LENGTH_SIZE] * share + long)
-            + row[OFFSET_MOMENTS] * sagittas * share
-        )
+        lost = row[WEIGHT_LOST] * (row[LENGTH_SIZE] * share + long)
+        total += row[WEIGHT_BEYOND] * moved + lost + row[OFFSET_MOMENTS] * sagittas * share
     return math.sqrt(square) + total
 
 

@@ -2,8 +2,9 @@
 
 from sinuous.kernels.body.rows import Rows
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.maths.vectors import ZERO, Array, Vec, copy, dot, get_vec
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, dot, get_vec
 from sinuous.kernels.statics import layout as t
+from sinuous.kernels.statics.newton import copy_state
 from sinuous.kernels.statics.sweeps import move
 
 
@@ -40,9 +41,7 @@ def predict_state(
     """
     at, states, pulls = begin
     columns, by_drive = slopes
-    copy(states, x)
-    for i in range(tensions.shape[0]):
-        tensions[i] = pulls[i]
+    copy_state(states, pulls, x, tensions)
     for j in range(columns.shape[0]):
         moved = q[j // 3, j % 3] - at[j // 3, j % 3]
         if moved != 0.0:

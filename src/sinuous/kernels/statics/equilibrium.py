@@ -1,7 +1,7 @@
 """Equilibria of a body of arcs: what Python calls."""
 
 from sinuous.kernels.compile import entry, shared
-from sinuous.kernels.maths.vectors import Array, copy
+from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics import newton
 from sinuous.kernels.statics.newton import Body, Workspace, answer_lines, begin, descend, evaluate_state, find_taut
@@ -79,15 +79,11 @@ def follow(x: Array, tensions: Array, body: Body, most: int, space: Workspace, r
 
 
 def _keep(x: Array, tensions: Array, space: Workspace) -> None:
-    copy(x, space.kept)
-    for i in range(tensions.shape[0]):
-        space.small[newton.TENSION_KEPT, i] = tensions[i]
+    newton.copy_state(x, tensions, space.kept, space.small[newton.TENSION_KEPT])
 
 
 def _restore(x: Array, tensions: Array, lines: Array, space: Workspace) -> None:
-    copy(space.kept, x)
-    for i in range(tensions.shape[0]):
-        tensions[i] = space.small[newton.TENSION_KEPT, i]
+    newton.copy_state(space.kept, space.small[newton.TENSION_KEPT], x, tensions)
     find_taut(lines, tensions, space)
 
 

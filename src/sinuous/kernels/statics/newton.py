@@ -8,7 +8,7 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.buffers import cut
-from sinuous.kernels.maths.vectors import ZERO, Array, Vec, norm
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, copy, norm
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.assembly import assemble
 from sinuous.kernels.statics.pulls import find_tensions, solve_taut
@@ -64,9 +64,11 @@ and those that are kept."""
 LENGTHS, WANTED, TENSIONS, TAUT, TENSION_CHANGE, TENSION_BEFORE, TENSION_KEPT = range(7)
 
 
-def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Workspace, Array]:
-    """Lay out the space in a buffer; returns what is left of it, too."""
+def carve(buffer: Array, base: Array, arcs: int, lines: int, slopes: int) -> tuple[Workspace, Array]:
+    """Lay out the space in a buffer, its first frame the base (1, 12); returns what is left of the buffer, too."""
     frames, rest = cut(buffer, arcs + 1, 12)
+    for j in range(12):
+        frames[0, j] = base[0, j]
     stages, rest = cut(rest, arcs, t.STAGE_WIDTH)
     along, rest = cut(rest, slopes, 5)
     changes, rest = cut(rest, lines * arcs, t.STATE_WIDTH)
@@ -89,10 +91,15 @@ def workspace_size(arcs: int, lines: int, slopes: int) -> int:
 
 def begin(base: Array, arcs: Array, loads: Array, lines: Array, slopes: int, buffer: Array) -> tuple[Body, Workspace]:
     """A body, and a space laid out in a buffer of `workspace_size` numbers whose first frame is the base (1, 12)."""
-    space, _ = carve(buffer, arcs.shape[0], lines.shape[0], slopes)
-    for j in range(12):
-        space.frames[0, j] = base[0, j]
+    space, _ = carve(buffer, base, arcs.shape[0], lines.shape[0], slopes)
     return Body(arcs, loads, lines), space
+
+
+def copy_state(x: Array, tensions: Array, to_x: Array, to_tensions: Array) -> None:
+    """Copy states (N, 4) and tensions (t,)."""
+    copy(x, to_x)
+    for i in range(tensions.shape[0]):
+        to_tensions[i] = tensions[i]
 
 
 def find_taut(lines: Array, tensions: Array, space: Workspace) -> None:

@@ -12,6 +12,7 @@ Where the low and the high limit are the same, a value is held: what it leaves o
 import math
 
 from sinuous.kernels.body.rows import HARD, IDLE, Rows
+from sinuous.kernels.chain.kinematics import shorten
 from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, mat_vec, put_vec, scale, sub, vec_mat
 from sinuous.kernels.step.limits import free_root, project_segment
@@ -148,10 +149,7 @@ def hold_back(actuation: Array, q: Array, aim: Array) -> None:
     t = admissible_step(actuation, q, aim)
     if t >= 1.0:
         return
-    t *= 1.0 - 1e-12
-    for k in range(q.shape[0]):
-        own = get_vec(q, k, 0)
-        put_vec(aim, k, 0, add(own, scale(t, sub(get_vec(aim, k, 0), own))))
+    shorten(q, aim, (1.0 - 1e-12) * t)
 
 
 def straighten(limits: Array, actuation: Array, q: Array, home: Array) -> None:

@@ -218,29 +218,33 @@ def met_by(state: State, loose: float) -> bool:
 
 def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and clearance of the whole body at `state`; see `proof.prove`."""
-    return _proof_among(problem.scene, problem, state, work)
+    return prove_among(problem.scene, problem, state.q, state.frames, Scratch(work.among, work.clock))
 
 
-def _proof_among(scene: Scene | None, problem: Problem, state: State, work: Work) -> tuple[int, float]:
+def prove_among(scene: Scene | None, problem: Problem, q: Array, frames: Array, scratch: Scratch) -> tuple[int, float]:
+    """The same of a configuration (n, 3) with its frames (n + 1, 12); `scene`: that of the problem."""
     if scene is None:
         return CLEAR, math.inf
     if scene.table.shape[0] == 0:
         return CLEAR, math.inf
     slack = SAMPLED_PROOF_SLACK if coarseness(scene) > 0.0 else PROOF_SLACK
     finest = FINEST_PROOF * problem.unit
-    scratch = Scratch(work.among, work.clock)
-    verdict, clearance, _, _, _ = prove(
-        problem.limits, state.q, state.frames, scene, problem.mount, slack, finest, scratch
-    )
+    verdict, clearance, _, _, _ = prove(problem.limits, q, frames, scene, problem.mount, slack, finest, scratch)
     return verdict, clearance
 
 
 def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
+    return prove_itself(
+        problem, Shape(problem.limits, state.q, state.frames, coupling_of(state, work).spans), work.clock
+    )
+
+
+def prove_itself(problem: Problem, shape: Shape, clock: Array) -> tuple[int, float]:
+    """The same of a shape."""
     if not problem.avoids_itself:
         return CLEAR, math.inf
-    shape = Shape(problem.limits, state.q, state.frames, coupling_of(state, work).spans)
-    verdict, clearance, _ = prove_self(shape, FINEST_PROOF * problem.unit, work.clock)
+    verdict, clearance, _ = prove_self(shape, FINEST_PROOF * problem.unit, clock)
     return verdict, clearance
 
 

@@ -33,7 +33,7 @@ from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.drive import differentiate_by_drive, fill
 from sinuous.kernels.statics.ends import differentiate_ends, predict_state, put_ends
 from sinuous.kernels.statics.equilibrium import follow, is_stable
-from sinuous.kernels.statics.newton import evaluate_state, find_taut
+from sinuous.kernels.statics.newton import copy_state, evaluate_state, find_taut
 from sinuous.kernels.statics.sweeps import stiffness_of
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.actuation import NO_SUMS
@@ -110,9 +110,7 @@ def _find_near(own: RestingBody, q: Array) -> bool:
     found = is_stable(own.record)
     if found:
         copy(q, own.at)
-        copy(own.trial_x, own.x)
-        for i in range(own.tensions.shape[0]):
-            own.tensions[i] = own.trial_tensions[i]
+        copy_state(own.trial_x, own.trial_tensions, own.x, own.tensions)
     return found
 
 

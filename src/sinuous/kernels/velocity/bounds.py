@@ -10,6 +10,7 @@ the place where a step leaves one, found when it does (`worst_cut`); what curvat
 import math
 from collections import namedtuple
 
+from sinuous.kernels.chain.kinematics import shorten
 from sinuous.kernels.compile import apart
 from sinuous.kernels.maths.vectors import ZERO, Array, dot, get_mat, get_vec, mat_vec, scale, vec_mat
 from sinuous.kernels.problem import Problem
@@ -388,6 +389,4 @@ def take(problem: Problem, asked: StepRequest, control: Control, start: Array) -
     _level(problem.limits, asked, control)
     t = _share_of_actuators(asked, control, start)
     if t < 1.0:
-        for k in range(n):
-            for i in range(3):
-                control.trial[k, i] = control.q[k, i] + t * (control.trial[k, i] - control.q[k, i])
+        shorten(control.q, control.trial, t)

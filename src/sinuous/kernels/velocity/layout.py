@@ -9,6 +9,7 @@ to violate; those whose multipliers are positive are *active* (Nocedal & Wright,
 """
 
 from collections import namedtuple
+from typing import Any
 
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
@@ -131,8 +132,8 @@ def read_asked(asked: Array, n: int) -> StepRequest:
     )
 
 
-def carve_control(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]) -> Control:
-    """Lay out the workspace in `buffer`; `base` (1, 12).
+def carve_control(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int], body: Any) -> Control:
+    """Lay out the workspace in `buffer`; `base` (1, 12). The scratch of proofs of a `body` is that of its arcs.
 
     `sizes`: segments, obstacles, rows of what is asked, bounds, and constraints of the working set.
     """
@@ -162,5 +163,5 @@ def carve_control(buffer: Array, base: Array, sizes: tuple[int, int, int, int, i
     free, rest = cut(rest, n, 3)
     pull, rest = cut(rest, n, 3)
     working = WorkingSet(weights, replies, about, system, scratch, active, listed, free, pull)
-    sweep = carve_sweep(rest, base, n, m)
-    return Control(q, trial, frames, columns, rows, root, none, step, bounds, near, pairs, spans, working, sweep, None)
+    sweep = carve_sweep(rest, base, n, m) if body is None else body.arcs.sweep
+    return Control(q, trial, frames, columns, rows, root, none, step, bounds, near, pairs, spans, working, sweep, body)

@@ -13,6 +13,7 @@ from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify, forget
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, Motion
+from sinuous.kernels.chain.kinematics import interpolate, shorten
 from sinuous.kernels.clock import allow_work, begin, late, spend, work_left
 from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.fields.distances import number_of
@@ -38,9 +39,8 @@ from sinuous.kernels.statics.departure import (
 from sinuous.kernels.statics.drive import fill
 from sinuous.kernels.statics.ends import put_ends
 from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, LOAD_FACTOR, follow, is_stable, settle
-from sinuous.kernels.statics.newton import Body, carve, workspace_size
-from sinuous.kernels.step.newton import FINEST_PROOF, add_targets
-from sinuous.kernels.step.states import State
+from sinuous.kernels.statics.newton import Body, carve, copy_state, workspace_size
+from sinuous.kernels.step.newton import FINEST_PROOF
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH, RADIUS, SEGMENT_WIDTH, SELF_RADIUS
 from sinuous.kernels.velocity import query as k
 from sinuous.kernels.velocity.body import MOST_STEPS, RestingBody, hold_rigid, owner_of, unroll
@@ -112,15 +112,11 @@ def _carve(
     targets = problem.targets.shape[0]
     r, bounds = max(6, 6 * targets), most_bounds(N, m, 0) + actuators + count
     size = control_size(N, m, 0, 0)
-    of_arcs, rest = carve_control(buffer[:size], arcs.base, (N, m, 6, most_bounds(N, m, 0), 0)), buffer[size:]
+    of_arcs, rest = carve_control(buffer, arcs.base, (N, m, 6, most_bounds(N, m, 0), 0), None), buffer[size:]
     for i in range(N):
         for j in range(9):
             of_arcs.root[i, j] = 1.0 if j % 4 == 0 else 0.0
-    size = control_size(n, 0, targets, 0) + bounds * (3 * n + BOUND_WIDTH)
-    own, rest = carve_control(rest[:size], problem.base, (n, 0, r, bounds, most_constraints(n))), rest[size:]
-    space, rest = carve(rest, N, count, slopes)
-    for j in range(12):
-        space.frames[0, j] = problem.base[0, j]
+    space, rest = carve(rest, problem.base, N, count, slopes)
     record, rest = rest[:EQUILIBRIUM_WIDTH], rest[EQUILIBRIUM_WIDTH:]
     at, rest = cut(rest, n, 3)
     x, rest = cut(rest, N, t.STATE_WIDTH)
@@ -164,24 +160,8 @@ def _carve(
         scratch,
         began,
     )
-    control = Control(
-        own.q,
-        own.trial,
-        own.frames,
-        own.columns,
-        own.rows,
-        own.root,
-        own.none,
-        own.step,
-        own.bounds,
-        of_arcs.near,
-        of_arcs.pairs,
-        of_arcs.spans,
-        own.working,
-        of_arcs.sweep,
-        body,
-    )
-    return control, rest
+    control = carve_control(rest, problem.base, (n, 0, r, bounds, most_constraints(n)), body)
+    return control, rest[control_size(n, 0, targets, 0) + bounds * (3 * n + BOUND_WIDTH) :]
 
 
 @entry
@@ -235,7 +215,7 @@ def loaded_step(
     k.set_free(problem, work)
     answer[k.ROUNDS], count, errors = k.advance(problem, wanted, work, start)
     answer[k.POSITION_ERROR], answer[k.ANGLE_ERROR] = errors
-    _copy_shape(work.body.x, work.body.tensions, x, tensions)
+    copy_state(work.body.x, work.body.tensions, x, tensions)
     _shrink(problem, wanted, work, start)
     k.report(work, count, answer)
     copy(work.body.tip, tip)
@@ -249,9 +229,8 @@ def _shrink(problem: Problem, asked: StepRequest, work: Control, start: Array) -
     for i in range(len(SHRINKS)):
         if _keeps(problem, asked, work.trial, start):
             return
-        for s in range(start.shape[0]):
-            for j in range(3):
-                work.trial[s, j] = start[s, j] + (1.0 - SHRINKS[i]) * (work.step[s, j] - start[s, j])
+        copy(work.step, work.trial)
+        shorten(start, work.trial, 1.0 - SHRINKS[i])
     copy(start, work.trial)
 
 
@@ -275,9 +254,8 @@ def _keeps(problem: Problem, asked: StepRequest, q: Array, start: Array) -> bool
 def _begin_with(own: RestingBody, start: Array, x: Array, tensions: Array) -> None:
     """Let a body be at rest at the drive `start` (n, 3)."""
     copy(start, own.at)
-    copy(x, own.x)
+    copy_state(x, tensions, own.x, own.tensions)
     for i in range(tensions.shape[0]):
-        own.tensions[i] = tensions[i]
         own.began[i] = own.body.lines[i, t.COMPLIANCE] * tensions[i]
 
 
@@ -361,14 +339,8 @@ def _evaluate_end(problem: Problem, work: Control, own: RestingBody, way: Way, a
     Returns the verdict about it.
     """
     put_ends(own.sections, own.space.frames, work.frames)
-    state = State(work.q, work.frames, work.columns, work.rows, work.none[0])
-    at, off, turn, merit = 0, 0.0, 0.0, 0.0
-    for s in range(work.q.shape[0]):
-        at, miss, angle = add_targets(problem, state, s, at)
-        off, turn = max(off, miss), max(turn, angle)
-    for i in range(at):
-        merit += work.rows.value[i] * work.rows.value[i]
-    answer[k.MERIT], answer[k.POSITION_ERROR], answer[k.ANGLE_ERROR] = merit, off, turn
+    _, answer[k.POSITION_ERROR], answer[k.ANGLE_ERROR] = k.list_targets(problem, work)
+    answer[k.MERIT] = k.merit_of(work)
     unroll(way.x[1], own.arcs.trial)
     verdict, answer[k.CLEARANCE], answer[k.SELF_CLEARANCE] = k.prove_shape(own.problem, own.arcs, own.arcs.trial)
     return verdict
@@ -379,22 +351,22 @@ def _certify_way(problem: Problem, own: RestingBody, way: Way, seen: Array, buff
     """Verdict about a way between two shapes, and until when everything is proved; fills `seen` (2, 6)."""
     n, N, count = way.q.shape[1], way.x.shape[1], way.tensions.shape[1]
     piece, stack, proof = _carve_way(buffer, own, n, N, count)
-    _copy_shape(way.x[0], way.tensions[0], piece.x[0], piece.tensions[0])
-    _copy_shape(way.x[1], way.tensions[1], stack.x[0], stack.tensions[0])
+    copy_state(way.x[0], way.tensions[0], piece.x[0], piece.tensions[0])
+    copy_state(way.x[1], way.tensions[1], stack.x[0], stack.tensions[0])
     stack.shares[0] = 1.0
     height, share, clock = 1, 0.0, own.arcs.sweep.clock
     while height > 0:
         end = stack.shares[height - 1]
-        _copy_shape(stack.x[height - 1], stack.tensions[height - 1], piece.x[1], piece.tensions[1])
+        copy_state(stack.x[height - 1], stack.tensions[height - 1], piece.x[1], piece.tensions[1])
         _put_drive(way, share, piece, 0)
         _put_drive(way, end, piece, 1)
         verdict, until = _certify_piece(problem, own, piece, proof, (share, end), seen)
         if verdict == CLEAR:
             share, height = end, height - 1
-            _copy_shape(piece.x[1], piece.tensions[1], piece.x[0], piece.tensions[0])
+            copy_state(piece.x[1], piece.tensions[1], piece.x[0], piece.tensions[0])
         elif end - share > 0.5**HALVINGS and not late(clock) and _find_middle(own, piece, proof.departure):
             stack.shares[height] = 0.5 * (share + end)
-            _copy_shape(own.trial_x, own.trial_tensions, stack.x[height], stack.tensions[height])
+            copy_state(own.trial_x, own.trial_tensions, stack.x[height], stack.tensions[height])
             height += 1
         else:
             return verdict, share + until * (end - share)
@@ -418,17 +390,9 @@ def _carve_way(buffer: Array, own: RestingBody, n: int, N: int, count: int) -> t
     return Way(q, held, x, tensions), Stack(shares, states, pulls), Proof(departure, limits, seen)
 
 
-def _copy_shape(x: Array, tensions: Array, to_x: Array, to_tensions: Array) -> None:
-    copy(x, to_x)
-    for i in range(tensions.shape[0]):
-        to_tensions[i] = tensions[i]
-
-
 def _put_drive(way: Way, share: float, piece: Way, end: int) -> None:
     """Put the drive at a share of the way to one end of a piece of it."""
-    for s in range(way.q.shape[1]):
-        for j in range(3):
-            piece.q[end, s, j] = (1.0 - share) * way.q[0, s, j] + share * way.q[1, s, j]
+    interpolate(way.q[0], way.q[1], share, piece.q[end])
     for i in range(way.held.shape[1]):
         piece.held[end, i] = (1.0 - share) * way.held[0, i] + share * way.held[1, i]
 
@@ -436,10 +400,8 @@ def _put_drive(way: Way, share: float, piece: Way, end: int) -> None:
 def _find_middle(own: RestingBody, piece: Way, departure: Departure) -> bool:
     """Find the equilibrium half-way, into the state that is tried."""
     lay_between(departure, piece, 0.5, own.body.arcs)
-    copy(departure.x, own.trial_x)
+    copy_state(departure.x, departure.tensions, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, departure.states, own.trial_x)
-    for i in range(own.tensions.shape[0]):
-        own.trial_tensions[i] = departure.tensions[i]
     follow(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
     return is_stable(own.record)
 

@@ -7,16 +7,15 @@ proved clear of the motion from start to end, linear in q, is taken.
 import math
 
 from sinuous.kernels.body.pieces import Scratch
-from sinuous.kernels.body.proof import CLEAR, prove
+from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.body.self_pairs import Shape
-from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion
-from sinuous.kernels.chain.kinematics import forward, forward_with_columns, frame
+from sinuous.kernels.chain.kinematics import forward, forward_with_columns, frame, shorten
 from sinuous.kernels.clock import allow, begin, late
 from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import coarseness, number_of
+from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -34,7 +33,7 @@ from sinuous.kernels.maths.vectors import (
 )
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.limits import free_root
-from sinuous.kernels.step.newton import FINEST_PROOF, PROOF_SLACK, SAMPLED_PROOF_SLACK, add_targets
+from sinuous.kernels.step.newton import FINEST_PROOF, add_targets, prove_among, prove_itself
 from sinuous.kernels.step.states import State
 from sinuous.kernels.step.targets import X, Y, Z, end_pose, put_row
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
@@ -115,14 +114,12 @@ def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[
     n, rows, at = control.q.shape[0], control.rows, 0
     if not move_body(problem.limits, control, control.body):
         return math.inf, math.inf, math.inf
-    off = turn = merit = 0.0
-    state = State(control.q, control.frames, control.columns, rows, control.none[0])
-    for k in range(n):
-        rows.start[k] = at
-        if asked.kind == v.MEET_TARGETS:
-            at, miss, angle = add_targets(problem, state, k, at)
-            off, turn = max(off, miss), max(turn, angle)
-    if asked.kind != v.MEET_TARGETS:
+    off = turn = 0.0
+    if asked.kind == v.MEET_TARGETS:
+        at, off, turn = list_targets(problem, control)
+    else:
+        for k in range(n):
+            rows.start[k] = 0
         inverse = 1.0 / problem.unit
         move = scale(inverse, get_vec(asked.twist, 0, 3))
         arm = scale(inverse, sub(end_pose(control.frames, problem.tool, n - 1)[1], frame(control.frames, 0)[1]))
@@ -134,12 +131,31 @@ def _linearise(problem: Problem, asked: StepRequest, control: Control) -> tuple[
             at = put_row(rows, at, Y, ZERO, asked.twist[0, 1])
             at = put_row(rows, at, Z, ZERO, asked.twist[0, 2])
     rows.start[n] = at
-    for i in range(at):
-        merit += rows.value[i] * rows.value[i]
+    merit = merit_of(control)
     if asked.rounds > 1:
         excess = excess_of(problem, control.body)
         merit += excess * excess
     return merit, off, turn
+
+
+def list_targets(problem: Problem, control: Control) -> tuple[int, float, float]:
+    """Fill the rows of targets; returns how many there are, and the largest errors: length unit, and rad."""
+    n, at, off, turn = control.q.shape[0], 0, 0.0, 0.0
+    state = State(control.q, control.frames, control.columns, control.rows, control.none[0])
+    for k in range(n):
+        control.rows.start[k] = at
+        at, miss, angle = add_targets(problem, state, k, at)
+        off, turn = max(off, miss), max(turn, angle)
+    control.rows.start[n] = at
+    return at, off, turn
+
+
+def merit_of(control: Control) -> float:
+    """Sum of the squares of what rows ask for."""
+    merit = 0.0
+    for i in range(control.rows.start[control.q.shape[0]]):
+        merit += control.rows.value[i] * control.rows.value[i]
+    return merit
 
 
 def _estimate_travel(problem: Problem, asked: StepRequest, control: Control, mu: float) -> float:
@@ -218,9 +234,7 @@ def _limit_travel(problem: Problem, asked: StepRequest, control: Control, wanted
     touches = lack >= max(asked.wish, problem.margin) - FINEST_PROOF * problem.unit
     most, travel = (CONTACT_GAIN if touches else GAIN) * wanted, measure_travel(problem.limits, control, control.body)
     if travel > most:
-        for k in range(control.q.shape[0]):
-            for i in range(3):
-                control.trial[k, i] = control.q[k, i] + most / travel * (control.trial[k, i] - control.q[k, i])
+        shorten(control.q, control.trial, most / travel)
 
 
 def advance(
@@ -291,13 +305,6 @@ def _reached(problem: Problem, control: Control, start: Array) -> tuple[Vec, Vec
     return turn, add(move, cross(turn, arm))
 
 
-def _shorten(control: Control, start: Array, fraction: float) -> None:
-    """Leave so much of the way from `start` to `control.trial`."""
-    for k in range(start.shape[0]):
-        for i in range(3):
-            control.trial[k, i] = start[k, i] + fraction * (control.trial[k, i] - start[k, i])
-
-
 def _least_gap(problem: Problem, control: Control, q: Array, ahead: float) -> float:
     """Least gap of a configuration to obstacles and itself, where it is less than `ahead`."""
     copy(q, control.q)
@@ -314,19 +321,12 @@ def prove_shape(problem: Problem, control: Control, q: Array) -> tuple[int, floa
     """Verdict about a configuration, and its clearance and self-clearance."""
     copy(q, control.q)
     forward(problem.limits, control.q, control.frames)
-    verdict, clearance, own = CLEAR, math.inf, math.inf
-    finest = FINEST_PROOF * problem.unit
-    if number_of(problem.scene) > 0:
-        slack = SAMPLED_PROOF_SLACK if coarseness(problem.scene) > 0.0 else PROOF_SLACK
-        scratch = Scratch(control.near, control.sweep.clock)
-        verdict, clearance, _, _, _ = prove(
-            problem.limits, control.q, control.frames, problem.scene, problem.mount, slack, finest, scratch
-        )
-    if problem.avoids_itself and verdict == CLEAR:
-        verdict, own, _ = prove_self(
-            Shape(problem.limits, control.q, control.frames, control.spans), finest, control.sweep.clock
-        )
-    return verdict, clearance, own
+    scratch, self_clearance = Scratch(control.near, control.sweep.clock), math.inf
+    verdict, clearance = prove_among(problem.scene, problem, control.q, control.frames, scratch)
+    if verdict == CLEAR:
+        shape = Shape(problem.limits, control.q, control.frames, control.spans)
+        verdict, self_clearance = prove_itself(problem, shape, control.sweep.clock)
+    return verdict, clearance, self_clearance
 
 
 def _leave_contact(problem: Problem, control: Control, start: Array) -> float:
@@ -337,7 +337,7 @@ def _leave_contact(problem: Problem, control: Control, start: Array) -> float:
         copy(control.trial, control.working.pull)
         if _least_gap(problem, control, control.working.pull, ahead) >= gap:
             return fraction
-        _shorten(control, start, 0.5)
+        shorten(start, control.trial, 0.5)
         fraction *= 0.5
     copy(start, control.trial)
     return 0.0
@@ -354,7 +354,7 @@ def _prove(problem: Problem, control: Control, start: Array, answer: Array) -> N
     if verdict == CLEAR:
         return
     if until > 0.0:
-        _shorten(control, start, SHY * until)
+        shorten(start, control.trial, SHY * until)
         answer[STEP_FRACTION] = SHY * until
         return
     answer[START], _, _ = prove_shape(problem, control, start)
@@ -407,7 +407,7 @@ def control_step(
     n, m = problem.limits.shape[0], number_of(problem.scene)
     wanted = read_asked(asked, n)
     capacity = max(6, 6 * targets.shape[0])
-    work = carve_control(workspace, problem.base, (n, m, capacity, wanted.capacity[0], wanted.capacity[1]))
+    work = carve_control(workspace, problem.base, (n, m, capacity, wanted.capacity[0], wanted.capacity[1]), None)
     begin(work.sweep.clock)
     allow(work.sweep.clock, wanted.seconds)
     copy(start, work.q)

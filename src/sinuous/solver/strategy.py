@@ -61,8 +61,7 @@ SHARE_AMONG_MANY = 0.2
 through (rods, sheets)."""
 
 SCATTERED_FIRST = 3
-"""Scattered starts before any route is looked for, where that takes longer than they do: beside meshes, unless these
-enclose the base, and where nothing has edges (plates, shelf)."""
+"""Scattered starts before any route is looked for, which takes longer than they do (plates, shelf)."""
 
 CELLS_A_START = 250
 """Cells that a search examines in the time of one scattered start (halls, doors)."""
@@ -502,8 +501,8 @@ class RouteAttempts:
             self._add_passage(more, 0)
 
     def _scattered_first(self) -> Iterator[StartBatch]:
-        """Scattered starts, where looking for a route takes longer."""
-        if not (self._candidates.enclosed or self._searches.edges_first(self._question.problem)):
+        """Scattered starts, unless the base lies in a closed tube: what gets out of that is found along it."""
+        if not self._candidates.enclosed:
             yield self._attempts.restart_batch(SCATTERED_FIRST)
 
     def _find_one(self, find: Callable[[Floats], Floats | None]) -> Iterator[StartBatch]:

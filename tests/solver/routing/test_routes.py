@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
@@ -16,7 +15,6 @@ from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches
 from sinuous.solver.strategy import attempts_of, plans_of
 from tests.helpers import Floats
-from tests.scene.shapes import cube
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 HIDDEN = np.array([[0.9, 0.2, 1.0], [-0.8, 1.2, 1.1], [0.3, -1.5, 0.9], [1.2, 0.4, 1.0], [-1.0, -0.9, 1.0]])
@@ -202,18 +200,3 @@ def test_nothing_is_proved_where_the_body_may_end_within_its_mount(mount: float,
     assert (PROVED_CLOSED in ended) is proved
     solution = sn.solve(robot, Target(robot.tip(hidden)[:3, 3]), scene, initial=hidden)
     assert solution.solved is (mount == 0.7)
-
-
-@pytest.mark.parametrize("turned", [0.0, 0.7])
-def test_routes_around_edges_come_first_where_walls_of_a_mesh_enclose_the_base(turned: float) -> None:
-    turn = Rotation.from_rotvec([0.3, turned, 0.1]).as_matrix()
-    robot, (vertices, faces) = ROBOT.changed(base=np.pad(turn, (0, 1)) + np.diag([0.0, 0.0, 0.0, 1.0])), cube()
-    room = []
-    for axis, side in np.ndindex(3, 2):
-        center, size = np.zeros(3), np.full(3, 4.4)
-        center[axis], size[axis] = 2.1 * (2 * side - 1), 0.2
-        room.append(sn.Mesh((vertices * size + center) @ turn.T, faces))
-    for walls, enclosed in ((room, True), (room[1:], True), (room[2:4], False), (room[4:], False)):
-        scene = Scene(walls)
-        asked = problem(robot, Target((0.0, 0.0, 1.0)), scene)
-        assert router(robot, scene).edges_first(asked) == enclosed

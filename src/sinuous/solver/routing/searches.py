@@ -103,19 +103,6 @@ CELLS = (1 << 14, 1 << 17, 1 << 19)
 POINTS = 1024
 """Most points of a route."""
 
-AHEAD = 2.0
-"""Distance ahead of the base, in radii of the body, of the place from which rays say whether the base is enclosed."""
-
-RAYS = np.array([way for way in np.ndindex(3, 3, 3) if np.count_nonzero(np.array(way) - 1) in (1, 3)], float) - 1.0
-"""Directions (14, 3) along the axes of a frame and between three of them, both ways, of no unit length."""
-
-ENCLOSED = 12
-"""Of these rays, as long as the robot, those that meet an obstacle where the base is enclosed: not all do where there
-is a door."""
-
-MET = 0.02
-"""Distance from the obstacles at which a ray ends, as a share of its length."""
-
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
@@ -193,7 +180,6 @@ class Searches:
         self.robot, self._scene, self._tolerance = robot, scene, tolerance
         self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
         self._walls: tuple[Snapshot, SharpWalls] | None = None
-        self._about: tuple[Snapshot, bool] | None = None
         self._root: Floats | None = None
         self.radius = ball_radius(segments_in(self._group))
         self._longest = sum(segment.length[1] for segment in robot.segments)
@@ -273,27 +259,6 @@ class Searches:
                 problem.scene._kernel_group, planned, *self._walls_of(problem.scene), seconds, buffer, route
             )
         return route[:count] if count > 0 else None
-
-    def edges_first(self, problem: Problem) -> bool:
-        """Whether to look for a route around edges before any more scattered starts.
-
-        It is quick where all edges are those of boxes. Where walls stand around the base, hardly any start gets out.
-        """
-        scene = problem.scene
-        if len(self._walls_of(scene).edges):
-            return self._enclosed(scene)
-        return any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
-
-    def _enclosed(self, scene: Snapshot) -> bool:
-        """Whether the base is enclosed by obstacles, looked at once a scene."""
-        known = self._about
-        if known is None or known[0] is not scene:
-            base, ahead = self.robot.base, self.robot.mount + AHEAD * self.radius
-            places = np.tile(base[:3, 3] + ahead * base[:3, 2], (len(RAYS), 1))
-            ways = RAYS / np.linalg.norm(RAYS, axis=1)[:, None] @ base[:3, :3].T
-            met = RouteCurves(self.robot, scene).see(places, places + self._longest * ways, MET * self._longest).which
-            known = self._about = scene, int(np.count_nonzero(met >= 0)) >= ENCLOSED
-        return known[1]
 
     def _walls_of(self, scene: Snapshot) -> SharpWalls:
         """What is sharp-edged in a scene, looked for once."""

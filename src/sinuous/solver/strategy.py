@@ -552,15 +552,14 @@ class RouteAttempts:
         if not self._candidates.known:
             self._add_root(0)
         stowed = self._candidates.is_longer_than(routes[0])
-        noted = [self._candidates.add_route(route, finest) for route in routes]
-        if noted[0] is not None:
-            if not self._question.several:
-                self._add_bottleneck(noted[0])
-            self._add_grown(noted[0])
-            if not self._question.several:
-                self._add_detour(noted[0], first=0 if stowed else 3)
-            if self._on_route is not None:
-                self._on_route(self._candidates, noted[0])
+        first, *_ = [self._candidates.add_route(route, finest) for route in routes]
+        if not self._question.several:
+            self._add_bottleneck(first)
+        self._add_grown(first)
+        if not self._question.several:
+            self._add_detour(first, first=0 if stowed else 3)
+        if self._on_route is not None:
+            self._on_route(self._candidates, first)
         priority = min(BOTTLENECK_EFFORTS.values()) if stowed else PRIORITY_AT_ONCE
         self._attempts.add("fitted", priority, partial(self._candidates.fitted_chains, routes), effort=0)
 

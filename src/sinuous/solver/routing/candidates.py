@@ -54,13 +54,6 @@ STOWED = 1.1
 NEAR = 2.5
 """Distance from a route, in radii of the body, up to which it leads past an intermediate target."""
 
-ALIKE = 0.1
-"""Distance of two routes, in radii of the body, up to which they are much the same."""
-
-COMPARED = 60
-"""Points of each route that are compared for that."""
-
-
 TABLES = 2
 """Sizes of tables that one search tries, from its own on."""
 
@@ -165,16 +158,11 @@ class RouteCandidates:
         self._told[plan.cell] = max(told, len(found.routes))
         return found._replace(routes=found.routes[told:], cells=cells)
 
-    def add_route(self, route: Floats, finest: bool) -> RouteCandidate | None:
-        """Take a route as a candidate; `None`: one like it is known.
+    def add_route(self, route: Floats, finest: bool) -> RouteCandidate:
+        """Take a route as a candidate.
 
         `finest`: it leads around edges, or over the finest cells, and needs no look whether it is clear.
         """
-        near = ALIKE * self.query[QUERY_RADIUS]
-        points = respaced(route, COMPARED) if self.known else route
-        for other in self.known:
-            if np.linalg.norm(respaced(other.route, COMPARED) - points, axis=1).max() < near:
-                return None
         clear = finest or self._clear(route, self.query)
         weight = 1 + (not clear) + sum(other.clear >= clear for other in self.known)
         if self._problem.scene.is_crowded and not self._has_room(route):

@@ -140,6 +140,8 @@ CALLS = {
     ),
     "calibrate none.yaml rows.csv": "none.yaml: file: cannot be read: ",
     "calibrate driven.yaml none.csv": "none.csv: file: cannot be read: ",
+    "calibrate driven.yaml none.csv --plot errors.mp4": "--plot: expected a name that ends in .",
+    "design none.yaml --plot front.mp4": "--plot: expected a name that ends in .",
     "calibrate itself.yaml rows.csv": "itself.yaml: robot: unknown key; expected one of segments",
     "view easy.yaml --html x.png": "--html: expected a name that ends in .html, got 'x.png'\n",
     "view bad.yaml": "bad.yaml: target.position",

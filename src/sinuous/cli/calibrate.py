@@ -16,6 +16,7 @@ from sinuous.studies.calibration.calibrate import Frame, calibrate
 from sinuous.studies.calibration.measurements import read_table
 from sinuous.studies.calibration.parameters import with_joint_motors
 from sinuous.view.pictures.diagrams import plot_calibration
+from sinuous.view.pictures.figures import check_picture
 
 
 def calibrate_file(asked: Calibrate) -> int:
@@ -25,6 +26,8 @@ def calibrate_file(asked: Calibrate) -> int:
     """
     read = [asked.file, asked.measured, *([] if asked.motion is None else [str(asked.motion)])]
     check_outputs(read, out=asked.out, plot=asked.plot)
+    if asked.plot is not None:
+        check_picture("--plot", asked.plot, others=())
     robot = with_joint_motors(_robot_of(Path(asked.file)))
     actuators = [actuator.name for actuator in robot.actuators]
     table = read_table(Path(asked.measured), actuators)

@@ -19,7 +19,7 @@ def design_file(asked: Design) -> int:
     if asked.plot is not None:
         from sinuous.view.pictures.figures import check_picture  # noqa: PLC0415
 
-        check_picture("--plot", asked.plot)
+        check_picture("--plot", asked.plot, others=())
     task, solving = read_design(asked.file), asked.solving
     setting = task.setting
     say_notes({asked.file: setting.notes})

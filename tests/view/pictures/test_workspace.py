@@ -1,5 +1,6 @@
 """Pictures of a map are files that can be looked at."""
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ import sinuous as sn
 from tests.studies.workspace.maps import ROBOT, WALL
 
 
-def test_picture_and_page(tmp_path: Path) -> None:
+def test_picture_and_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sn.view.plot_reach(sn.studies.reach(ROBOT, None, 60.0, 2), tmp_path / "map.png", at=(0, 0, 60))
     assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
     found = sn.studies.reach(ROBOT, WALL, 60.0, 2)
@@ -20,3 +21,7 @@ def test_picture_and_page(tmp_path: Path) -> None:
         sn.view.plot_reach(found, tmp_path / "map.png", at=(1e4, 0, 0))
     with pytest.raises(sn.InputError, match="ends in"):
         sn.view.plot_reach(found, tmp_path / "map.doc")
+    for name in ("matplotlib", "matplotlib.backend_bases"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(sn.InputError, match=r"file: needs Matplotlib; expected it installed: pip install"):
+        sn.view.plot_reach(found, tmp_path / "map.png")

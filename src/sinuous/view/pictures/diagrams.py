@@ -291,7 +291,7 @@ MOST_PATTERNS = 16
 @contextmanager
 def _chart(file: str | Path, size: tuple[float, float]) -> Iterator[Any]:
     """A figure of this size, in inches, that is written into a file in the end."""
-    check_picture("file", Path(file), figures.still_kinds())
+    check_picture("file", Path(file), others=())
     figure = figures.new_figure(figsize=size, dpi=110, layout="constrained")
     yield figure
     figures.save_figure(figure, Path(file))

@@ -170,10 +170,10 @@ def still_kinds() -> tuple[str, ...]:
     return tuple(sorted(FigureCanvasBase.filetypes))
 
 
-def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) -> None:
+def check_picture(key: str, file: Path, *, still: bool = True, others: tuple[str, ...] = MOVIES) -> None:
     """Refuse a picture that cannot be drawn, before anything is solved.
 
-    `kinds` are the endings that may be meant; by default all that there are.
+    What may be meant are still pictures, unless that is not `still`, and the endings of `others`.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) ->
         When Matplotlib or ffmpeg is missing, or the kind of file is another.
     """
     need_matplotlib(key, str(file))
-    known = sorted({*still_kinds(), *MOVIES}) if kinds is None else list(kinds)
+    known = sorted({*(still_kinds() if still else ()), *others})
     kind = file.suffix.lower().lstrip(".")
     if kind not in known:
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))

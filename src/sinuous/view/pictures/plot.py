@@ -73,7 +73,7 @@ def plot(
     """
     figures.need_matplotlib("plot")
     if path is not None:
-        figures.check_picture("path", Path(path), figures.still_kinds())
+        figures.check_picture("path", Path(path), others=())
     seen, contents = as_view(view), gather(things)
     box = figures.axes_box(contents)
     if ax is None:
@@ -229,7 +229,7 @@ def animate(
         When something that is needed is missing, a thing cannot be drawn, or the file cannot be written.
     """
     file = Path(path)
-    figures.check_picture("path", file, figures.MOVIES)
+    figures.check_picture("path", file, still=False)
     seen = as_view(view)
     rate = checks.integer("fps", fps, 1, 100)
     count = max(2, round(checks.number("seconds", seconds, above=0.0) * rate))

@@ -53,7 +53,7 @@ def check_map(key: str, file: Path) -> None:
     InputError
         When Matplotlib is missing, or does not know the kind of file.
     """
-    figures.check_picture(key, file, ("html", *figures.still_kinds()))
+    figures.check_picture(key, file, others=("html",))
 
 
 def plot_reach(

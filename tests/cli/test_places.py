@@ -49,6 +49,9 @@ def test_all_rows_of_a_table_are_solved(run: Run) -> None:
     assert Path("own.csv").read_text().splitlines()[0] == "row,status,s2.length,clearance"
     assert run(f"{BATCH} --out out.csv --json").results[0]["before"] == 2
     assert run(f"{BATCH} --out out.csv --warm").err.startswith("note: --warm: does nothing any more; use --memory")
+    Path("mm.csv").write_text("X [mm];Y [mm];Z [mm]\n0;10;160\n")
+    told = run("batch arm.yaml --targets mm.csv --out mm.npz").err
+    assert told.endswith("note: mm.csv: the header says mm; numbers are taken as they stand\n")
     fast = "--out out.npz --max-starts 4 --no-routes"
     assert "invalid    rows 4" in run(f"batch arm.yaml --targets in.csv {fast}", 1).out
 

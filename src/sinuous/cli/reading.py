@@ -68,12 +68,15 @@ def say_notes(notes: dict[str, tuple[str, ...]]) -> None:
 
 @contextmanager
 def setting_of(file: str) -> Iterator[Job]:
-    """Read a problem file but for its targets, and say its notes, which are not repeated as warnings within."""
+    """Read a problem file but for its targets, and say its notes; what else is warned of within are notes, too."""
     setting = read_problem(file, question=False)
     say_notes({file: setting.notes})
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SuspiciousInput)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", SuspiciousInput)
         yield setting
+    for note in dict.fromkeys(str(each.message) for each in said):
+        if note not in setting.notes:
+            typer.echo(f"note: {note}", err=True)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 import sinuous as sn
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, widths_across
-from sinuous.kernels.fitting.settle import MOST_STEPS, REACH_STEP, settle_chain
+from sinuous.kernels.fitting.settle import MOST_STEPS, REACH_STEP
 from tests.helpers import Floats, kernel_groups
 
 POINTS = 300
@@ -118,7 +118,7 @@ def settled(scene: sn.Scene, target: sn.Target, seconds: float = 60.0, robot: sn
     problem = sn.Problem(robot, target, scene)
     workspace = np.full(fit_workspace_size(6, 0, len(problem.scene), 1), np.nan)
     out = CHAIN.copy()
-    settle_chain(*kernel_groups(problem), seconds, workspace, out)
+    fit_route(*kernel_groups(problem), np.empty((0, 3)), seconds, workspace, out)
     return out
 
 

@@ -6,8 +6,8 @@ know rows of one place alone; `step.coupling` adds these afterwards.
 
 import math
 
-from sinuous.kernels.body.self_pairs import Meeting, Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import GAP_SLACK, GapAccuracy, at_rest, nearest_places, pair_of
+from sinuous.kernels.body.self_pairs import Meeting, Shape, next_pair, survey
+from sinuous.kernels.body.self_pieces import GAP_SLACK, GapAccuracy, gap_at_rest
 from sinuous.kernels.chain.kinematics import body_columns, body_point, frame
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import (
@@ -54,25 +54,19 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
     if thickest == 0.0:
         return count, low
     accuracy = GapAccuracy(margin, margin, -math.inf, GAP_SLACK, GAP_FLOOR * margin, FINEST_PIECE * margin, 0.0, False)
-    still = at_rest(shape)
     i, j = -1, n
     while True:
         i, j, _ = next_pair(shape, i, j, margin, thickest)
         if i == n:
             return count, low
-        if i == j:
-            s = 0.0
-            gap, t = own_gap(shape, i)
-            sure = gap
-        else:
-            sure, gap, s, t, _, _ = nearest_places(still, pair_of(still, i, j), accuracy, math.inf)
+        sure, gap, places, _ = gap_at_rest(shape, i, j, accuracy, math.inf)
         if gap >= margin:
             continue
         low = min(low, sure)
         at = _place_for(pairs, count, (margin - gap) / unit)
         if at >= 0:
             pairs[at, PAIR_VALUE] = (margin - gap) / unit
-            _put_weights(shape, columns, (i, s, j, t), unit, pairs, at)
+            _put_weights(shape, columns, places, unit, pairs, at)
             count = max(count, at + 1)
 
 

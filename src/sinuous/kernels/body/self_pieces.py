@@ -14,7 +14,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.chords import arc_chord, chord_distance, sagitta_bound
 from sinuous.kernels.body.pieces import following
-from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Shape, enough_between
+from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Meeting, Shape, enough_between, own_gap
 from sinuous.kernels.chain.kinematics import frame, place_on, tangent
 from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, added_acceleration
 from sinuous.kernels.maths.vectors import TINY, Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
@@ -54,9 +54,17 @@ Nearest = tuple[float, float, float, float, float, int]
 segments and the time where that was; and how many pairs of pieces were examined."""
 
 
-def at_rest(shape: Shape) -> Swept:
-    """A body that stays where it is."""
-    return Swept(shape, shape, shape.q, 0.0, 0.0)
+def gap_at_rest(shape: Shape, i: int, j: int, accuracy: GapAccuracy, least: float) -> tuple[float, float, Meeting, int]:
+    """Lower bound of the gaps of segments i <= j of a body at rest; the least that was seen, where, and the effort.
+
+    `least`: the least gap that is known of others. The effort in pairs of pieces; none, of a segment with itself.
+    """
+    if i == j:
+        gap, t = own_gap(shape, i)
+        return gap, gap, (i, 0.0, i, t), 0
+    still = Swept(shape, shape, shape.q, 0.0, 0.0)
+    low, gap, s, t, _, evaluations = nearest_places(still, pair_of(still, i, j), accuracy, least)
+    return low, gap, (i, s, j, t), evaluations
 
 
 def _good_enough(accuracy: GapAccuracy, low: float, least: float) -> bool:

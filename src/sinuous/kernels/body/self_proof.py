@@ -7,8 +7,8 @@
 import math
 
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, rounding_of
-from sinuous.kernels.body.self_pairs import Meeting, Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import GAP_SLACK, GapAccuracy, at_rest, nearest_places, pair_of
+from sinuous.kernels.body.self_pairs import Meeting, Shape, next_pair, survey
+from sinuous.kernels.body.self_pieces import GAP_SLACK, GapAccuracy, gap_at_rest
 from sinuous.kernels.clock import late, spend
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import Array
@@ -35,23 +35,17 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
     worth = most if 0.0 < most < math.inf else thickest
     accuracy = GapAccuracy(worth, worth, -math.inf, GAP_SLACK, 0.0, finest, rounding, True)
     bound, least = most, math.inf
-    still = at_rest(shape)
     i, j = -1, shape.q.shape[0]
     while True:
         i, j, passed = next_pair(shape, i, j, min(worth, (1.0 - GAP_SLACK) * least), thickest)
         bound = min(bound, passed)
         if i == shape.q.shape[0]:
             break
-        if i == j:
-            s = 0.0
-            gap, t = own_gap(shape, i)
-            low = gap
-        else:
-            low, gap, s, t, _, evaluations = nearest_places(still, pair_of(still, i, j), accuracy, least)
-            spend(clock, PAIR_WORK * evaluations)
+        low, gap, places, evaluations = gap_at_rest(shape, i, j, accuracy, least)
+        spend(clock, PAIR_WORK * evaluations)
         bound = min(bound, low)
         if gap < least:
-            least, where = gap, (i, s, j, t)
+            least, where = gap, places
         if least < 0.0:
             return TOUCHING, least, where
         if late(clock):

@@ -15,7 +15,7 @@ from sinuous.kernels.body.chords import sagitta_bound
 from sinuous.kernels.body.pieces import BEYOND, MANY, backbone_of, evaluate_here, following, free_part, near
 from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
 from sinuous.kernels.certificate.drift import OF, drift_of
-from sinuous.kernels.certificate.sweep import FRACTION, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, WHICH, Motion, Sweep
+from sinuous.kernels.certificate.sweep import LEAST_SEEN, PROVED_BOUND, Motion, Sweep, note_least
 from sinuous.kernels.chain.kinematics import body_point, place_on
 from sinuous.kernels.chain.rates import TAIL, acceleration_bound
 from sinuous.kernels.clock import spend
@@ -251,8 +251,7 @@ def _decide(
             d, most = evaluate(scene, i, piece.center, enough, EXACT)
         gap = most + piece.lag - piece.radius
         if piece.free and gap < seen[LEAST_SEEN]:
-            seen[LEAST_SEEN], seen[WHEN], seen[SEGMENT] = gap, interval.begin + 0.5 * interval.h, piece.k
-            seen[FRACTION], seen[WHICH] = piece.s, i
+            note_least(seen, gap, interval.begin + 0.5 * interval.h, piece.k, piece.s, i)
             if gap < 0.0:
                 return TOUCHING, piece.half, reach, units
         low, place, motion = d - reach - drift, piece.half, reach - piece.half - piece.radius
@@ -272,23 +271,24 @@ def _decide(
     return verdict, space, time, units
 
 
-def _free_from(
-    limits: Array, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, begins: tuple[float, float]
-) -> float:
-    """Fraction of segment `k` from which on it is beyond the mount some time in an interval; `begins` as above."""
-    return min(
-        free_part(limits, sweep.q[interval.a], k, accuracy.mount - begins[0]),
-        free_part(limits, sweep.q[interval.b], k, accuracy.mount - begins[1]),
-    )
+def _begin_segment(
+    motion: Motion, sweep: Sweep, interval: Interval, k: int, mount: float
+) -> tuple[float, tuple[float, float]]:
+    """Fraction of segment `k` from which on it is beyond the mount some time in an interval; and its `begins`.
+
+    All of it where it has no obstacles near it: then none is left for the halves of the interval.
+    """
+    sweep.counts[interval.level + 1, k] = 0
+    if sweep.counts[interval.level, k] == 0:
+        return 1.0, (0.0, 0.0)
+    begins = (_begin_of(motion.limits, sweep.q[interval.a], k), _begin_of(motion.limits, sweep.q[interval.b], k))
+    first = free_part(motion.limits, sweep.q[interval.a], k, mount - begins[0])
+    return min(first, free_part(motion.limits, sweep.q[interval.b], k, mount - begins[1])), begins
 
 
 def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accuracy: Accuracy, seen: Array) -> None:
     """Leave for the halves of an interval only the obstacles that may be too near to segment `k` in it."""
-    sweep.counts[interval.level + 1, k] = 0
-    if sweep.counts[interval.level, k] == 0:
-        return
-    begins = (_begin_of(motion.limits, sweep.q[interval.a], k), _begin_of(motion.limits, sweep.q[interval.b], k))
-    start = _free_from(motion.limits, sweep, interval, k, accuracy, begins)
+    start, begins = _begin_segment(motion, sweep, interval, k, accuracy.mount)
     part = 1.0 - start
     if part > 0.0:
         radius = motion.limits[k, RADIUS]
@@ -302,11 +302,7 @@ def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, accu
     Returns the verdict, and keeps in `seen` (6,) what was found. TOUCHING ends the work: nothing proves the interval.
     """
     counts, level = sweep.counts, interval.level
-    counts[level + 1, k] = 0
-    if counts[level, k] == 0:
-        return CLEAR
-    begins = (_begin_of(motion.limits, sweep.q[interval.a], k), _begin_of(motion.limits, sweep.q[interval.b], k))
-    start = _free_from(motion.limits, sweep, interval, k, accuracy, begins)
+    start, begins = _begin_segment(motion, sweep, interval, k, accuracy.mount)
     part = 1.0 - start
     if part <= 0.0:
         return CLEAR

@@ -34,8 +34,7 @@ CONFIGURATION_SLACK = 0.1
 def _note(seen: Array, verdict: int, gap: float, t: float, k: int, s: float, which: int) -> None:
     """Keep the clearance of a configuration, or the most that it can be where `gap` is a lower bound, if it is less."""
     most = gap / (1.0 - CONFIGURATION_SLACK) if verdict == CLEAR else gap
-    if most < seen[w.LEAST_SEEN]:
-        seen[w.LEAST_SEEN], seen[w.WHEN], seen[w.SEGMENT], seen[w.FRACTION], seen[w.WHICH] = most, t, k, s, which
+    w.note_least(seen, most, t, k, s, which)
 
 
 def _prove_at(motion: Motion, t: float, sweep: Sweep, accuracy: Accuracy, seen: Array) -> int:

@@ -27,7 +27,7 @@ from sinuous.kernels.body.self_pairs import (
 from sinuous.kernels.body.self_pieces import Swept, nearest_places, pair_of
 from sinuous.kernels.body.self_proof import PAIR_WORK
 from sinuous.kernels.certificate.obstacles import Accuracy, good_enough
-from sinuous.kernels.certificate.sweep import FRACTION, LEAST_SEEN, PROVED_BOUND, SEGMENT, WHEN, WHICH, Sweep
+from sinuous.kernels.certificate.sweep import LEAST_SEEN, PROVED_BOUND, Sweep, note_least
 from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING
 from sinuous.kernels.clock import spend
 from sinuous.kernels.maths.vectors import Array, norm, sub
@@ -81,12 +81,6 @@ def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
     return arc_chord(bend / max(shortest, NO_LENGTH), shortest) - 2.0 * radius
 
 
-def _note(seen: Array, gap: float, when: float, i: int, s: float, j: int) -> None:
-    """Keep the gap of two places in `seen` (6,), if it is the least so far."""
-    if gap < seen[LEAST_SEEN]:
-        seen[LEAST_SEEN], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, when, i, s, j
-
-
 def _see_alone(swept: Swept, i: int, seen: Array) -> bool:
     """Keep the gap of segment `i` with itself at the ends of an interval; say whether it is an overlap."""
     least = math.inf
@@ -95,7 +89,7 @@ def _see_alone(swept: Swept, i: int, seen: Array) -> bool:
         if meets_itself(shape, i):
             gap, t = own_gap(shape, i)
             least = min(least, gap)
-            _note(seen, gap, swept.begin + at_end * swept.h, i, t, i)
+            note_least(seen, gap, swept.begin + at_end * swept.h, i, t, i)
     return least < 0.0
 
 
@@ -164,7 +158,7 @@ def clear_of_itself(swept: Swept, sweep: Sweep, level: int, accuracy: Accuracy, 
             verdict = _accept_bound(_apart(swept, i, j) - needed - accuracy.rounding, accuracy, seen)
             if verdict != CLEAR:
                 sure, gap, s, _, when, evaluations = nearest_places(swept, pair_of(swept, i, j), own, seen[LEAST_SEEN])
-                _note(seen, gap, when, i, s, j)
+                note_least(seen, gap, when, i, s, j)
                 verdict = TOUCHING if gap < 0.0 else _accept_bound(sure, accuracy, seen)
                 spend(sweep.clock, PAIR_WORK * evaluations)
         if verdict == TOUCHING:

@@ -84,6 +84,12 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     return Sweep(q, frames, reach, reached, near, counts, rates, spans, among, pairs, left, paces, balls, still, clock)
 
 
+def note_least(seen: Array, gap: float, t: float, k: int, s: float, which: int) -> None:
+    """Keep a gap in `seen` (6,), and where and when it is, if it is the least so far."""
+    if gap < seen[LEAST_SEEN]:
+        seen[LEAST_SEEN], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, t, k, s, which
+
+
 def knot(motion: Motion, t: float, sweep: Sweep, at: int) -> None:
     """Put the configuration at time t into a place of the sweep, with its frames."""
     interpolate(motion.q0, motion.q1, t, sweep.q[at])

@@ -88,7 +88,6 @@ PIECES = (
             "kernels.growing.detours.add_detours",
             "kernels.growing.grow.grow_chains",
             "kernels.growing.turning.turn_round",
-            "kernels.fitting.settle.settle_chain",
         ),
     ),
     Piece("batches of solves", 1, ("kernels.solve.search.search_many" + FREE,), 12),

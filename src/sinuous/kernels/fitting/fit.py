@@ -13,9 +13,11 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, obstacle, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, length_of, point_at
+from sinuous.kernels.fitting.settle import settle
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
+from sinuous.kernels.step.limits import length_range
 from sinuous.kernels.step.newton import add_targets, finish_rows, move, project_to_limits, step, wish_nothing
 from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
 from sinuous.kernels.step.targets import X, Y, Z
@@ -192,11 +194,8 @@ def clear(problem: Problem, states: State, at: int, work: Work, curve: Curve) ->
 def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
     """Fit the chain to the route, growing from the base, as far as the time allows; returns the state with the fit."""
     length = length_of(curve)
-    low = high = 0.0
     n = problem.limits.shape[0]
-    for k in range(n):
-        low += problem.limits[k, MIN_LENGTH]
-        high += problem.limits[k, MAX_LENGTH]
+    low, high = length_range(problem.limits)
     fraction = min(1.0, max(0.0, (length - low) / (high - low))) if high > low else 0.0
     at = 0
     q = pick(states, at).q
@@ -231,7 +230,7 @@ def fit_route(
     workspace: Array,
     q: Array,
 ) -> None:
-    """Lay the chain along a route.
+    """Lay the chain along a route; without one, draw it to its targets and off the obstacles in short steps.
 
     Parameters
     ----------
@@ -240,17 +239,21 @@ def fit_route(
     targets : ndarray (t, 15)
         Met by the last steps, as far as route and obstacles let them.
     route : ndarray (K, 3)
-        At least two points from the base on, evenly spaced, in the length unit.
+        At least two points from the base on, evenly spaced, in the length unit; or none.
     seconds : float
         Budget.
     workspace : ndarray (w,)
         Scratch, see `fit_workspace_size`.
     q : ndarray (n, 3)
-        Filled with the configuration.
+        Filled with the configuration; without a route it is moved.
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
     begin(work.clock)
     allow(work.clock, seconds)
-    at = lay(problem, states, work, curve_through(route))
+    if route.shape[0] > 0:
+        at = lay(problem, states, work, curve_through(route))
+    else:
+        copy(q, pick(states, 0).q)
+        at = settle(problem, states, 0, work)
     copy(pick(states, at).q, q)

@@ -5,13 +5,11 @@ pushed off to the wrong side of a wall.
 """
 
 from sinuous.kernels.body.rows import END
-from sinuous.kernels.clock import SEGMENT_WORK, allow, begin, spend
-from sinuous.kernels.compile import entry
+from sinuous.kernels.clock import SEGMENT_WORK, spend
 from sinuous.kernels.fields.solids import INTERPOLATED
-from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.newton import linearise, move, project_to_limits, step, wish_nothing
-from sinuous.kernels.step.states import ANGLE, CLEARANCE_SEEN, POSITION, State, Work, carve_for, pick
+from sinuous.kernels.step.states import ANGLE, CLEARANCE_SEEN, POSITION, State, Work, pick
 from sinuous.kernels.tables import RADIUS
 
 MOST_STEPS = 60
@@ -60,30 +58,3 @@ def settle(problem: Problem, states: State, at: int, work: Work) -> int:
         move(problem, state, work, pick(states, 1 - at))
         at = 1 - at
     return at
-
-
-@entry
-def settle_chain(
-    robot: Array, scene: Array, settings: Array, targets: Array, seconds: float, workspace: Array, q: Array
-) -> None:
-    """Draw a chain to its targets and off the obstacles, in short steps.
-
-    Parameters
-    ----------
-    robot, scene, settings : ndarray
-        Groups, laid out as `sinuous.kernels.tables` says.
-    targets : ndarray (t, 15)
-    seconds : float
-        Budget.
-    workspace : ndarray (w,)
-        Scratch, see `fit.fit_workspace_size`.
-    q : ndarray (n, 3)
-        The chain, which is moved.
-    """
-    problem = read_problem(robot, scene, settings, targets)
-    states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
-    begin(work.clock)
-    allow(work.clock, seconds)
-    copy(q, pick(states, 0).q)
-    at = settle(problem, states, 0, work)
-    copy(pick(states, at).q, q)

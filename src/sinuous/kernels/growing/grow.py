@@ -44,8 +44,9 @@ from sinuous.kernels.growing.meeting import meets_itself
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
 from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.step.limits import length_range
 from sinuous.kernels.step.scattered import scattered, uniform
-from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
+from sinuous.kernels.tables import BEND_SCALE, MAX_LENGTH, POSE_WIDTH
 
 APART = np.uint64(0x85EBCA77)
 """How far the keys of random numbers of one segment are from those of the next."""
@@ -75,15 +76,6 @@ ARC_WORK = 100
 growing_size = beam_size
 
 
-def _lengths(problem: Problem, first: int, last: int) -> tuple[float, float]:
-    """Least and greatest length of the segments from `first` to `last`."""
-    low = high = 0.0
-    for k in range(first, last + 1):
-        low += problem.limits[k, MIN_LENGTH]
-        high += problem.limits[k, MAX_LENGTH]
-    return low, high
-
-
 def _tangent(start: Start) -> Vec:
     return start[0][0][2], start[0][1][2], start[0][2][2]
 
@@ -93,7 +85,7 @@ def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
     mean = problem.unit / problem.limits.shape[0]
     if k == leg.last:
         return SHORT_COST * missed(problem, leg, end) / mean
-    low, high = _lengths(problem, k + 1, leg.last)
+    low, high = length_range(problem.limits[k + 1 : leg.last + 1])
     need = max(0.0, needed(leg.guide, end[1], _tangent(end), seen) - leg.around)
     short = max(0.0, need - high) / mean
     long = max(0.0, low - LEEWAY * need) / (mean * (leg.last - k)) if leads(leg.guide) else 0.0
@@ -107,7 +99,7 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     Returns how many there are: none where the time is over.
     """
     level, size = beam.levels[k], 0
-    low, high = _lengths(problem, k, leg.last)
+    low, high = length_range(problem.limits[k : leg.last + 1])
     for i in range(count):
         start, seen = frame(level, i), int(level[i, GUIDE_POINT])
         need = needed(leg.guide, start[1], _tangent(start), seen) - leg.around

@@ -8,7 +8,7 @@ from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.chain.single_arc import arc_to
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import bend_cap, bends_in_plane, project_segment
+from sinuous.kernels.step.limits import bend_cap, bends_in_plane, length_range, project_segment
 from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
 from sinuous.kernels.tables import (
     BEND_SCALE,
@@ -59,10 +59,7 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
     p = vec_mat(sub(goal, base), rotation)
     side = math.hypot(p[0], p[1])
     chord = math.hypot(side, p[2])
-    low = high = 0.0
-    for k in range(first, tip + 1):
-        low += limits[k, MIN_LENGTH]
-        high += limits[k, MAX_LENGTH]
+    low, high = length_range(limits[first : tip + 1])
     half, length = arc_to(side, p[2])
     if half >= LONGEST_HALF_BEND:
         length = math.inf

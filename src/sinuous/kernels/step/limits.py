@@ -31,6 +31,15 @@ def bend_cap(limits: Array, k: int, length: float) -> float:
     return min(limits[k, MAX_BEND], limits[k, MAX_CURVATURE] * length)
 
 
+def length_range(limits: Array) -> tuple[float, float]:
+    """Least and greatest length of all segments together."""
+    low = high = 0.0
+    for k in range(limits.shape[0]):
+        low += limits[k, MIN_LENGTH]
+        high += limits[k, MAX_LENGTH]
+    return low, high
+
+
 def bend_of(ux: float, uy: float) -> float:
     """Angle of an arc: a call of `hypot`, which guards numbers that bends never are, takes longer than its segment."""
     return math.sqrt(ux * ux + uy * uy)

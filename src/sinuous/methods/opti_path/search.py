@@ -31,6 +31,7 @@ from sinuous.kernels.maths.vectors import (
     sub,
 )
 from sinuous.kernels.problem import Problem
+from sinuous.kernels.step.limits import length_range
 from sinuous.kernels.step.targets import direction_vector
 from sinuous.kernels.tables import (
     ARC,
@@ -97,15 +98,6 @@ def _sides(path: Path, aim: Aim) -> tuple[Vec, Vec, float, float]:
     return t, side, aside, ahead
 
 
-def reach(limits: Array) -> tuple[float, float]:
-    """Least and largest length of a robot with these `limits` (n, 7)."""
-    low = high = 0.0
-    for k in range(limits.shape[0]):
-        low += limits[k, MIN_LENGTH]
-        high += limits[k, MAX_LENGTH]
-    return low, high
-
-
 def single(limits: Array, setting: Setting, aim: Aim, path: Path) -> float:
     """The arc from the base along its tangent to the goal, cut into pieces; returns its length.
 
@@ -116,7 +108,7 @@ def single(limits: Array, setting: Setting, aim: Aim, path: Path) -> float:
     t, side, aside, ahead = _sides(path, aim)
     base = get_vec(path.points, 0, 0)
     half, length = arc_to(aside, ahead)
-    low, high = reach(limits)
+    low, high = length_range(limits)
     height = setting.bow * aim.unit if aside < setting.bow * aim.unit else 0.0
     s = 0.0
     for i in range(1, n):
@@ -154,7 +146,7 @@ def swung(limits: Array, aim: Aim, path: Path, angle: float) -> None:
     base = get_vec(path.points, 0, 0)
     other = cross(t, side)
     out = add(scale(math.cos(angle), side), scale(math.sin(angle), other))
-    low, high = reach(limits)
+    low, high = length_range(limits)
     wanted = 0.5 * (low + high)
     near, far = 0.0, 2.0 * wanted
     b = c = base
@@ -175,7 +167,7 @@ def swung(limits: Array, aim: Aim, path: Path, angle: float) -> None:
 def _cut(limits: Array, a: Vec, b: Vec, c: Vec, aim: Aim, path: Path) -> None:
     """Put the points on a cubic curve, shared by the mean lengths of the segments in `limits` (n, 7)."""
     n = path.arcs.shape[0]
-    low, high = reach(limits)
+    low, high = length_range(limits)
     total = _curve_length(a, b, c, aim.position)
     i, done, before = 1, 0.0, a
     share = (limits[0, MIN_LENGTH] + limits[0, MAX_LENGTH]) / (low + high)
@@ -234,7 +226,7 @@ def begin_path(problem: Problem, check: Check, work: Work, aim: Aim, start: Star
         length = single(problem.limits, setting, aim, path)
         if own > 1:
             bow(aim, path, own - 2)
-        elif setting.other_guess != 0.0 and (length > reach(problem.limits)[1]) == (own == 0):
+        elif setting.other_guess != 0.0 and (length > length_range(problem.limits)[1]) == (own == 0):
             swung(problem.limits, aim, path, 0.0)
         return ARC
     begin_own(problem, check, own - 1 - 2 * BOWS, start.seed, q)

@@ -19,7 +19,6 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.chain.batch import frames_of, points_of
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.query import ball_radius, route_query
-from sinuous.kernels.fitting.settle import settle_chain
 from sinuous.kernels.growing.beam import (
     CHAIN_WIDTH,
     COST,
@@ -502,7 +501,7 @@ def settle_chains(groups: Groups, chains: Iterable[Floats], deadline: Deadline) 
     workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))
     for chain in chains:
         q = chain.copy()
-        settle_chain(*groups, deadline(), workspace, q)
+        fit_route(*groups, np.empty((0, 3)), deadline(), workspace, q)
         yield q
 
 

@@ -13,6 +13,7 @@ import sinuous as sn
 from sinuous.cli.view import is_loopback
 from sinuous.view.page.page import Page
 from tests.cli.conftest import Run
+from tests.helpers import refused
 
 
 def test_a_problem_and_a_path_become_pages_and_a_page_remembers(run: Run) -> None:
@@ -55,8 +56,7 @@ def test_without_viser_it_is_said_how_to_get_it(run: Run, monkeypatch: pytest.Mo
 def test_which_addresses_are_this_machine_alone() -> None:
     assert all(map(is_loopback, ("127.0.0.1", "127.3.2.1", "::1", "localhost")))
     assert not any(map(is_loopback, ("0.0.0.0", "192.168.1.4", "::")))
-    with pytest.raises(sn.InputError, match="--host"):
-        is_loopback("example.org")
+    refused("--host", lambda: is_loopback("example.org"))
 
 
 @pytest.mark.skipif(os.name == "nt", reason="interrupts are sent in another way there")
@@ -66,7 +66,6 @@ def test_a_server_runs_until_it_is_interrupted() -> None:
     typed = f"-m sinuous view easy.yaml --port 0 --no-browser --host {host}"
     command = [sys.executable, *typed.split()]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
-    assert process.stdout is not None
     address = process.stdout.readline().split()[0]
     assert address.startswith(f"http://{host}:")
     with urllib.request.urlopen(address.replace("0.0.0.0", "127.0.0.1")) as page:

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import sinuous
-from sinuous.base.errors import InputError
 from sinuous.base.progress import LONG
 from sinuous.cli import warm
 from sinuous.cli.app import main
@@ -17,6 +16,7 @@ from sinuous.kernels.compile import tiers
 from sinuous.kernels.compile.tiers import FREE, PIECES
 from sinuous.methods.method import METHODS
 from tests.base.test_progress import Terminal
+from tests.helpers import refused
 from tests.kernels.test_compile import decorated
 
 FIRST, SECOND = tiers.PIECES[:2]
@@ -72,8 +72,7 @@ def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatc
 
 def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warm, "steps", lambda methods: [WarmStep("one", lambda: None)])
-    with pytest.raises(InputError, match="unknown method 'magic'"):  # of the process, which makes its steps itself
-        warm._use_in_processes(1, ("magic",), warm._Shown(1))
+    refused("method", lambda: warm._use_in_processes(1, ("magic",), warm._Shown(1)), "unknown method 'magic'")
 
 
 def test_the_store_is_shown_and_emptied(

@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.files.joint_chain import joint_map
 from sinuous.model.joints import Fixed
-from tests.helpers import random_pose, random_unit
+from tests.helpers import random_pose, random_unit, refused
 
 RNG = np.random.default_rng(4)
 JOINTS = [
@@ -86,5 +86,4 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
 
 def test_a_joint_with_the_name_of_a_link_is_refused(tmp_path: Path) -> None:
     robot = sn.Robot(joints=[sn.Revolute(name="tip")])
-    with pytest.raises(sn.InputError, match="joints: a URDF has a link of that name already"):
-        robot.to_urdf(tmp_path / "arm.urdf")
+    refused("joints", lambda: robot.to_urdf(tmp_path / "arm.urdf"), "a URDF has a link of that name already")

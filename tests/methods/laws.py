@@ -37,7 +37,7 @@ def shapes(robot: sn.Robot, count: int, max_bend: float, seed: int) -> Floats:
 
 def tip_targets(robot: sn.Robot, count: int, max_bend: float = 1.2, seed: int = 0, kind: str = "direction") -> Any:
     """Targets that some configuration meets."""
-    asked = {"position": None, "direction": np.s_[:3, 2], "rotation": np.s_[:3, :3]}[kind]
+    asked: Any = {"position": None, "direction": np.s_[:3, 2], "rotation": np.s_[:3, :3]}[kind]
     poses = [robot.tip(q) for q in shapes(robot, count, max_bend, seed)]
     own: list[dict[str, Any]] = [{} if asked is None else {kind: pose[asked]} for pose in poses]
     return [sn.Target(pose[:3, 3], **each) for pose, each in zip(poses, own, strict=True)]

@@ -9,7 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.model.rates import Changes
 from sinuous.motion.job import job_of
-from tests.helpers import with_each
+from tests.helpers import refused, with_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=3))
 
@@ -76,7 +76,6 @@ def test_joints_keep_the_stricter_of_their_own_rates_and_those_given() -> None:
     rates = sn.Rates(bend=9.0, length=8.0, joint={"roll": 1.0, "feed": 0.7})
     own, further = rates.spread(arm), rates.further(arm)
     for spread, roll_most, feed_most, rest in ((own, 1.0, 0.5, (9.0, 8.0)), (further, 3.0, math.inf, (math.inf,) * 2)):
-        assert spread is not None
         both = np.stack([spread.bend, spread.length], axis=1)
         at = [*zip(arm._rigid.values.tolist(), np.minimum(arm._rigid.columns, 1).tolist(), strict=True)]
         assert [both[place] for place in at] == [roll_most, feed_most]
@@ -85,5 +84,4 @@ def test_joints_keep_the_stricter_of_their_own_rates_and_those_given() -> None:
     assert (rates * 0.1).spread(arm).bend[arm._rigid.values[0]] == pytest.approx(0.1)
     again = job_of(sn.Job(arm, sn.Target((0, 0, 2)), rates=rates).to_dict(), "").rates
     assert again.equals(rates)
-    with pytest.raises(sn.InputError, match=r"joint: nothing is called 's1'"):
-        sn.Rates(joint={"s1": 1.0}).check(arm)
+    refused("joint", lambda: sn.Rates(joint={"s1": 1.0}).check(arm), "nothing is called 's1'")

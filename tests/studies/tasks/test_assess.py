@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import sinuous as sn
+from tests.helpers import refused, refused_each
 
 ROBOT = sn.Robot.uniform(3, length=(45, 70), max_bend=1.5, radius=4, name="three")
 OTHER = ROBOT.changed(name="thick", segments=[sn.Segment((45, 70), max_bend=1.5, radius=8)] * 3)
@@ -66,8 +67,7 @@ def test_tables(found: sn.studies.Assessment, tmp_path: Path) -> None:
         with (tmp_path / name).open(encoding="utf-8") as text:
             assert len(list(csv.DictReader(text))) == count
     assert json.loads(json.dumps(found.to_dict()))["totals"][1]["robot"] == "thick"
-    with pytest.raises(sn.InputError, match="cannot be written"):
-        found.to_csv(tmp_path / "no" / "robots.csv")
+    refused("file", lambda: found.to_csv(tmp_path / "no" / "robots.csv"), "cannot be written")
 
 
 def test_a_sweep_is_assessed_and_drawn(tmp_path: Path) -> None:
@@ -100,9 +100,7 @@ def test_wrong_arguments_are_refused(robot: Any, tasks: Any, told: str) -> None:
 
 def test_wrong_paths_are_refused() -> None:
     wrongs: list[Any] = [NEAR, [], "line"]
-    for wrong in wrongs:
-        with pytest.raises(sn.InputError, match="targets"):
-            sn.studies.Follow(wrong)
+    refused_each("targets", wrongs, sn.studies.Follow)
     with pytest.raises(sn.InputError, match="start"):
         sn.studies.assess(ROBOT, {"a": sn.studies.Follow([NEAR], start=[[0.0, 0.0, 50.0]])})
 

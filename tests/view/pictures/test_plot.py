@@ -137,16 +137,13 @@ def test_a_route_is_a_dashed_line() -> None:
 def test_wrong_axes_and_views_are_refused() -> None:
     from matplotlib.figure import Figure
 
-    with pytest.raises(sn.InputError, match="ax: expected axes in space"):
-        sn.plot(ROBOT, ax=Figure().add_subplot())
-    with pytest.raises(sn.InputError, match="view: expected"):
-        sn.plot(ROBOT, view=(1, 2, 3))
+    refused("ax", lambda: sn.plot(ROBOT, ax=Figure().add_subplot()), "expected axes in space")
+    refused("view", lambda: sn.plot(ROBOT, view=(1, 2, 3)), "expected")
 
 
 def test_without_matplotlib_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.backend_bases", None)
-    with pytest.raises(sn.InputError, match=r"expected it installed: .*\[plot\]"):
-        sn.plot(ROBOT)
+    refused("plot", lambda: sn.plot(ROBOT), "expected it installed: ", "[plot]")
 
 
 def test_large_meshes_are_thinned(tmp_path: Path) -> None:

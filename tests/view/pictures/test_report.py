@@ -7,6 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.view.pictures.reports import write_picture
+from tests.helpers import refused
 from tests.view.pictures.arms import BALL, PATH, ROBOT, share_of
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -43,7 +44,5 @@ def test_nothing_global_is_touched(tmp_path: Path, track: sn.Motion) -> None:
 
 
 def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
-    with pytest.raises(sn.InputError, match="path: cannot be written: "):
-        write_picture(tmp_path / "no" / "shape.png", ROBOT)
-    with pytest.raises(sn.InputError, match=r"expected a name that ends in \."):
-        write_picture(tmp_path / "shape.exe", ROBOT)
+    refused("path", lambda: write_picture(tmp_path / "no" / "shape.png", ROBOT), "cannot be written: ")
+    refused("path", lambda: write_picture(tmp_path / "shape.exe", ROBOT), "expected a name that ends in .")

@@ -3,9 +3,8 @@
 import sys
 from pathlib import Path
 
-import pytest
-
 import sinuous as sn
+from tests.helpers import refused
 from tests.studies.workspace.maps import ROBOT, WALL
 
 
@@ -17,11 +16,8 @@ def test_picture_and_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     page = (tmp_path / "map.html").read_text(encoding="utf-8")
     assert "data:image/png" in page
     assert "reachable" in page
-    with pytest.raises(sn.InputError, match="outside the map"):
-        sn.view.plot_reach(found, tmp_path / "map.png", at=(1e4, 0, 0))
-    with pytest.raises(sn.InputError, match="ends in"):
-        sn.view.plot_reach(found, tmp_path / "map.doc")
+    refused("point", lambda: sn.view.plot_reach(found, tmp_path / "map.png", at=(1e4, 0, 0)), "outside the map")
+    refused("file", lambda: sn.view.plot_reach(found, tmp_path / "map.doc"), "ends in")
     for name in ("matplotlib", "matplotlib.backend_bases"):
         monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(sn.InputError, match=r"file: needs Matplotlib; expected it installed: pip install"):
-        sn.view.plot_reach(found, tmp_path / "map.png")
+    refused("file", lambda: sn.view.plot_reach(found, tmp_path / "map.png"), "needs Matplotlib; expected it installed")

@@ -18,6 +18,7 @@ import sinuous as sn
 from sinuous.studies.batch.batch import valid
 from sinuous.studies.batch.tables.reading import open_source
 from sinuous.studies.batch.tables.results import CODES, STATUSES, Layout, write_results
+from tests.helpers import refused
 from tests.studies.batch.questions import ROBOT, write_csv
 
 ROWS = np.random.default_rng(0).normal(size=(23, 7))
@@ -109,10 +110,8 @@ def test_files_that_are_none_are_refused(tmp_path: Path) -> None:
     (tmp_path / "in.csv").write_bytes(b"x,y,z\n\xff\xfe")
     with pytest.raises(sn.InputError, match="UTF-8"):
         open_source(tmp_path / "in.csv")
-    with pytest.raises(sn.InputError, match="ends in"):
-        open_source(tmp_path / "in.xlsx")
-    with pytest.raises(sn.InputError, match="cannot be read"):
-        open_source(tmp_path / "no.csv")
+    refused("targets", lambda: open_source(tmp_path / "in.xlsx"), "ends in")
+    refused("targets", lambda: open_source(tmp_path / "no.csv"), "cannot be read")
 
 
 @pytest.mark.parametrize(

@@ -259,15 +259,28 @@ def test_steps_towards_a_target_end_there() -> None:
     assert step.share is None
 
 
-def test_accelerations_are_kept() -> None:
+@pytest.mark.parametrize("plane", [None, 0.5])
+def test_accelerations_are_kept(plane: float | None) -> None:
     rates, dt = sn.Rates(bend=1.0, length=30.0, acceleration=sn.Rates(bend=5.0, length=100.0)), 0.01
-    q, velocity = shape(np.random.default_rng(2)), np.zeros((N, 3))
+    robot = ROBOT if plane is None else sn.Robot([sn.Segment((45, 70), 2.4, plane=plane + k) for k in range(N)])
+    q, velocity = robot.drive.coordinates.project(shape(np.random.default_rng(2))), np.zeros((N, 3))
+    solver = free_solver() if plane is None else sn.Solver(robot)
     for i in range(60):
-        step = free_solver().step(q, (0.0, 60.0 if i < 30 else -60.0, 0.0), dt, rates=rates, velocity=velocity)
+        step = solver.step(q, (0.0, 60.0 if i < 30 else -60.0, 0.0), dt, rates=rates, velocity=velocity)
         change = step.velocity - velocity
         assert np.hypot(*change[:, :2].T).max() <= 5.0 * dt * 1.01
         assert np.abs(change[:, 2]).max() <= 100.0 * dt * 1.01
         q, velocity = step.q, step.velocity
+
+
+def test_a_limit_of_an_actuator_comes_before_its_acceleration_and_holds_back_no_other() -> None:
+    actuators = sn.Actuators(np.eye(6)[[0, 1, 3, 4]], limits=[(-0.5, 0.5), None, None, None])
+    robot = sn.Robot([sn.Segment(50.0, 2.0)] * 2, actuators=actuators)
+    q, velocity = np.array([[0.48, 0.0, 50.0], [0.0, 0.0, 50.0]]), np.array([[10.0, 0.0, 0.0]] * 2)
+    rates = sn.Rates(actuator=20.0, acceleration=sn.Rates(actuator=1.0))
+    step = sn.Solver(robot).step(q, robot.jacobian(q) @ velocity.ravel(), 0.01, rates=rates, velocity=velocity)
+    assert step.q[0, 0] == pytest.approx(0.5, abs=1e-6)
+    assert step.q[1, 0] > 0.09
 
 
 @with_each(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.growing.bending import MOST_OVERLAP, Nearby, come_out
+from sinuous.kernels.growing.bending import MOST_OVERLAP, Nearby, _solved, come_out
 from tests.helpers import Floats, kernel_problem, mat, vec
 
 RADIUS = 0.1
@@ -64,3 +64,13 @@ def test_an_arc_beside_a_wall_is_bent_off_it(offset: float) -> None:
     assert overlap <= 0.0
     assert gap(wall, FREE, arc) >= 0.0
     assert arc[0] < 1.0
+
+
+def test_two_arcs_give_way_as_their_system_says() -> None:
+    rng = np.random.default_rng(0)
+    root, right = rng.normal(size=(4, 4)), rng.normal(size=4)
+    whole = root @ root.T
+    a, b, c = whole[:2, :2], whole[:2, 2:], whole[2:, 2:]
+    corners = ((own[0, 0], own[0, 1], own[1, 1]) for own in (a, c))
+    found = _solved(*corners, tuple(b.ravel()), (*right[:2], 0.0), (*right[2:], 0.0))
+    np.testing.assert_allclose(found, np.linalg.solve(whole, right))

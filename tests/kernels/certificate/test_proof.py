@@ -15,6 +15,7 @@ import sinuous as sn
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.certificate.drift import BEGIN, OWN_AXES, TURN, TURNED, VELOCITY, measure_paces
 from sinuous.kernels.certificate.query import ANSWER_WIDTH, CLEARANCES, UNTIL, VERDICT, certify_motions
+from sinuous.kernels.certificate.self_proof import passed_over
 from sinuous.kernels.certificate.sweep import (
     CLEARANCES_WIDTH,
     DRIFT_WIDTH,
@@ -110,6 +111,13 @@ def test_a_motion_cut_in_two_is_clear_when_both_parts_are() -> None:
         if whole[VERDICT] == CLEAR:
             low = parts[:, CLEARANCES + PROVED_BOUND].min()
             assert low == pytest.approx(whole[CLEARANCES + PROVED_BOUND], rel=2.5 * SLACK) or case.robot.mount > 0.0
+
+
+def test_gaps_that_are_passed_over_have_the_same_bound_backwards() -> None:
+    for seed in range(10):
+        case = random_case(seed)
+        one, other = (passed_over(case.robot.limits, *ends) for ends in ((case.q0, case.q1), (case.q1, case.q0)))
+        assert one == other
 
 
 def test_it_does_not_matter_where_robot_and_obstacles_stand() -> None:

@@ -9,7 +9,9 @@ import igl
 import numpy as np
 import pytest
 
-from sinuous.kernels.fields import grids, trees
+from sinuous.kernels.fields import blocks, grids, trees
+from sinuous.kernels.fields.deviation import _largest
+from sinuous.kernels.fields.discs import DISC_SIZE, enclose
 from sinuous.kernels.fields.grids import SampleGrid
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
@@ -85,6 +87,30 @@ def test_the_closest_is_the_closest_of_all(kind: int, count: int) -> None:
         found, lifted = trees.closest(store, tree, vec(p), math.inf)
         assert trees.unlift(lifted) == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
         assert true[found] == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", [TRIANGLES, BALLS])
+def test_the_closest_to_each_point_of_a_block_is_the_closest_of_all(kind: int) -> None:
+    rng = np.random.default_rng(0)
+    drawn = with_planes(rng.normal(size=(60, 3, 3))) if kind == TRIANGLES else draw(kind, 60, rng)
+    store, tree, items = planted(kind, drawn)
+    discs = np.zeros((2 << tree.levels if kind == TRIANGLES else 0, DISC_SIZE))
+    if kind == TRIANGLES:
+        enclose(store, tree, discs)
+    points, work = rng.normal(size=(blocks.LANES, 3)), np.empty(blocks.WORKSPACE)
+    work[: points.size] = points.T.ravel()
+    blocks.closest(store, tree, discs, 0, work)
+    for p, found in zip(points, work[blocks.FOUND :].astype(int), strict=True):
+        true = each(kind, items, p)
+        assert true[found] == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
+
+
+def test_a_triangle_is_farthest_from_another_one_at_a_corner() -> None:
+    rng = np.random.default_rng(0)
+    store, tree, items = planted(TRIANGLES, draw(TRIANGLES, 20, rng))
+    for i, corners in enumerate(rng.normal(size=(20, 3, 3))):
+        most = max(each(TRIANGLES, items[i : i + 1], p)[0] for p in corners)
+        assert _largest(store, tree, i, *map(vec, corners)) == pytest.approx(most**2)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -71,6 +71,7 @@ def test_two_arcs_give_way_as_their_system_says() -> None:
     root, right = rng.normal(size=(4, 4)), rng.normal(size=4)
     whole = root @ root.T
     a, b, c = whole[:2, :2], whole[:2, 2:], whole[2:, 2:]
-    corners = ((own[0, 0], own[0, 1], own[1, 1]) for own in (a, c))
-    found = _solved(*corners, tuple(b.ravel()), (*right[:2], 0.0), (*right[2:], 0.0))
+    first, second = (vec((own[0, 0], own[0, 1], own[1, 1])) for own in (a, c))
+    across = b[0, 0], b[0, 1], b[1, 0], b[1, 1]
+    found = _solved(first, second, across, vec((*right[:2], 0.0)), vec((*right[2:], 0.0)))
     np.testing.assert_allclose(found, np.linalg.solve(whole, right))

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.kernels.statics import lines
+from sinuous.kernels.statics.profile import end_profile, even_functions
 from sinuous.statics.equilibrium import Equilibrium, find_equilibrium
 from sinuous.statics.response import GROUPS
 from tests.helpers import Floats, refused
@@ -57,6 +59,22 @@ def test_derivatives_agree_with_differences(kind: str) -> None:
             wanted = differences(found, name, i)
             scale = np.abs(derivative.states[name]).max()
             np.testing.assert_allclose(derivative.states[name][..., i], wanted, atol=1e-6 * scale, err_msg=name)
+
+
+@pytest.mark.parametrize("kind", ["straight", "along"])
+def test_slopes_of_lines_and_their_slopes_agree_with_differences(kind: str) -> None:
+    """The length of a tendon by bends, twist and length of its arc."""
+
+    def line(x: Floats) -> tuple[float, Floats, Floats]:
+        own = (end_profile(even_functions(x[0] ** 2 + x[1] ** 2)),) if kind == "straight" else ()
+        length, slope, curved = getattr(lines, kind)(*x, 0.04, -0.07, *own)
+        return length, np.array(slope), np.array(curved)
+
+    x, h = np.array([0.6, -0.9, 0.4, 1.3]), 1e-6
+    ends = [(line(x + step), line(x - step)) for step in h * np.eye(4)]
+    np.testing.assert_allclose(line(x)[1], [(a[0] - b[0]) / (2.0 * h) for a, b in ends], atol=1e-8)
+    second = np.array([(a[1] - b[1]) / (2.0 * h) for a, b in ends])
+    np.testing.assert_allclose(line(x)[2], second[np.triu_indices(4)], atol=1e-8)
 
 
 def test_a_cantilever_bends_as_in_books() -> None:

@@ -160,6 +160,19 @@ def test_limits_that_move_push_the_answer() -> None:
     assert compared > 10
 
 
+def test_a_body_that_gets_thicker_pushes_the_answer_as_a_curvature_that_gets_less() -> None:
+    """A body that avoids itself bends no tighter than its radius."""
+    q, most = np.array([[2.0, 1.5, 1.0], [0.3, 0.4, 1.0], [-0.2, 0.5, 1.0]]), 2.5
+    limits: dict[Parameter, dict[str, Any]] = {"curvatures": {"max_curvature": most}, "radii": {"radius": 1.0 / most}}
+    moved = []
+    for name, rate in zip(limits, (-1.0, 1.0 / most**2), strict=True):
+        robot = sn.Robot.uniform(3, 1.0, 3.0, **limits[name])
+        derivative = derivative_of(sn.Problem(robot, sn.Target(robot.tip(q)[:3, 3])), q, (name,))
+        moved.append(derivative.jvp({name: np.array([rate, 0.0, 0.0])}))
+    np.testing.assert_allclose(moved[0], moved[1], atol=1e-6)
+    assert np.abs(moved[0]).max() > 1.0
+
+
 def gap_gradient(found: sn.Solution) -> Floats:
     """Derivatives (3 n,) of the least distance from the obstacles, by central differences."""
     scale = scales_of(found.problem.robot.limits).ravel()

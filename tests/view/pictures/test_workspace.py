@@ -3,6 +3,8 @@
 import sys
 from pathlib import Path
 
+import pytest
+
 import sinuous as sn
 from tests.helpers import refused
 from tests.studies.workspace.maps import ROBOT, WALL

@@ -14,7 +14,7 @@ from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner
 from sinuous.problem.target import Target
 from sinuous.solver.polylines import lengths_along
 
-FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
+FIRST, LONGEST, SHORTEST = 0.01, 0.05, 5e-3
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
 
 ENOUGH = 0.02

@@ -101,7 +101,9 @@ def test_no_route_is_said_of_width_and_length_together_and_no_remedy_contradicts
     changes = {remedy.change.partition(" ")[0] for remedy in solution.explain(time=60.0).remedies}
     assert "length" in changes
     assert changes <= {"length", "obstacle", "target", "radius", "tolerance.position"}
-    assert "wall: segment 4 is 12.9" in str(solution.explain(time=0.0)), "as deep as what is worst"
+    deepest = solution.explain(time=0.0).binding[0]
+    assert (deepest.obstacle, deepest.segment) == ("wall", solution.worst.segment)
+    assert deepest.value == pytest.approx(-solution.worst.amount, rel=0.01)
 
 
 def test_of_an_elbow_it_is_the_length_up_to_there_that_counts() -> None:

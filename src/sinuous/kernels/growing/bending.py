@@ -119,14 +119,15 @@ def _closest(scene: Scene, nearby: Nearby, count: int, p: Vec, at: float, reach:
 
 
 def _press(
-    problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int
+    problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int, limit: float
 ) -> tuple[float, float, float, tuple[float, float, float, float]]:
     """Share of an arc that comes out; its deepest overlap, in radii; its pressure; and the change that relieves it.
 
     The change is that of the bends of the arc before it, where `both` are to change, and of its own. The pressure is
     the integral along what changes of the square of what is missing of the clearance, in radii; where the axis gets
     into an obstacle, all that is beyond counts as missing as much as there: deeper in it, the way out that is nearest
-    may lead to the other side. `nearby` lists the `count` obstacles that concern it.
+    may lead to the other side. `nearby` lists the `count` obstacles that concern it. What is pressed by
+    `limit` or more is examined no further.
     """
     scene, radius, most = problem.scene, thickness(problem, new[1]), 1.0 + PUSHED_CLEARANCE
     axx = ayy = RELIEF_DAMPING * two[0][2] * two[0][2] + (0.0 if both else 1.0)
@@ -156,6 +157,8 @@ def _press(
             missing = most - d / radius
             if missing > 0.0:
                 pressure += missing * missing * step
+                if pressure >= limit:
+                    return fits, deepest, pressure, (0.0, 0.0, 0.0, 0.0)
                 _, g = obstacle(scene, which, p, d)
                 x, y = _row(start, q, s, p, g)
                 x, y = possible_bend(problem.limits, new[1] - 1 + part, x, y)
@@ -179,9 +182,9 @@ def _relieve(
 ) -> tuple[Two, float, float, float]:
     """Bend an arc until it is pressed as little as can be; the share that comes out, its overlap and its pressure."""
     k, begin = new[1], new
-    fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, nearby, count)
+    fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, nearby, count, math.inf)
     step_length = 1.0
-    for _ in range(RELIEF_STEPS):
+    for _ in range(RELIEF_STEPS if problem.limits[k, BEND_SCALE] > 0.0 else 0):
         size = max(math.hypot(x, y), math.hypot(u, v))
         if pressure == 0.0 or size == 0.0:
             break
@@ -191,7 +194,7 @@ def _relieve(
             first = project_segment(problem.limits, k - 1, first[0] + step * u, first[1] + step * v, first[2])
             begin = end_of(before[0], first), k, new[2]
         other = project_segment(problem.limits, k, two[1][0] + step * x, two[1][1] + step * y, two[1][2])
-        out, deeper, left, change = _press(problem, before, begin, (first, other), both, nearby, count)
+        out, deeper, left, change = _press(problem, before, begin, (first, other), both, nearby, count, pressure)
         if left >= pressure:
             step_length *= SHORTER_STEP
             continue
@@ -235,18 +238,15 @@ def come_out(
     )
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
-    fits, overlap, pressure, _ = _press(problem, before, new, two, False, nearby, count)
+    bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count)
     if pressure == 0.0:
-        return two, 0.0, 0.0
-    bent = two
-    if problem.limits[k, BEND_SCALE] > 0.0:
-        bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count)
-        if joint and (fits < 1.0 or overlap > SHALLOW):
-            reach = ARC_REACH * (two[0][2] + q[2]) + (EVALUATION_REACH + RADII_AHEAD) * radius
-            count, _ = few_near(problem.scene, position, reach, nearby.numbers)
-            both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count)
-            if more > fits or (more == fits and deepest < overlap):
-                bent, fits, overlap, pressure = both, more, deepest, left
+        return bent, 0.0, 0.0
+    if joint and problem.limits[k, BEND_SCALE] > 0.0 and (fits < 1.0 or overlap > SHALLOW):
+        reach = ARC_REACH * (two[0][2] + q[2]) + (EVALUATION_REACH + RADII_AHEAD) * radius
+        count, _ = few_near(problem.scene, position, reach, nearby.numbers)
+        both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count)
+        if more > fits or (more == fits and deepest < overlap):
+            bent, fits, overlap, pressure = both, more, deepest, left
     length = fits * q[2]
     if length < problem.limits[k, MIN_LENGTH] or length == 0.0:
         return two, math.inf, 0.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.growing.bending import MOST_OVERLAP, Nearby, _solved, come_out
+from sinuous.kernels.growing.bending import MOST_OVERLAP, RELIEF_STEPS, Nearby, _solved, come_out
 from tests.helpers import Floats, kernel_problem, mat, vec
 
 RADIUS = 0.1
@@ -24,7 +24,7 @@ def out(
     problem = kernel_problem(sn.Robot([segment], mount=mount), [sn.Target((0.0, 0.0, 1.0))], scene)
     start = mat(np.eye(3)), vec(np.zeros(3))
     new = start, 0, 0.0
-    (_, arc), overlap, _ = come_out(problem, new, new, (q, q), False, nearby(scene))
+    (_, arc), overlap, _ = come_out(problem, new, new, (q, q), False, nearby(scene), RELIEF_STEPS)
     return np.array(arc), float(overlap)
 
 

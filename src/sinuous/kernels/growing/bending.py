@@ -32,8 +32,8 @@ Two = tuple[Vec, Vec]
 Nearby = namedtuple("Nearby", ["numbers", "until"])
 """Numbers (m,) int64 of obstacles near an arc, and up to where on it (m,) none of them is examined again (length)."""
 
-RELIEF_STEPS = 16
-"""Most Gauss-Newton steps of an arc."""
+RELIEF_STEPS, RELIEF_STEPS_AT_RANDOM = 16, 5
+"""Most Gauss-Newton steps of an arc, and of one that was drawn at random: others are drawn instead."""
 
 PUSHED_CLEARANCE = 0.25
 """Clearance beside the body that arcs are pushed to, in radii."""
@@ -178,13 +178,13 @@ def _press(
 
 
 def _relieve(
-    problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int
+    problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int, steps: int
 ) -> tuple[Two, float, float, float]:
     """Bend an arc until it is pressed as little as can be; the share that comes out, its overlap and its pressure."""
     k, begin = new[1], new
     fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, nearby, count, math.inf)
     step_length = 1.0
-    for _ in range(RELIEF_STEPS if problem.limits[k, BEND_SCALE] > 0.0 else 0):
+    for _ in range(steps if problem.limits[k, BEND_SCALE] > 0.0 else 0):
         size = max(math.hypot(x, y), math.hypot(u, v))
         if pressure == 0.0 or size == 0.0:
             break
@@ -206,7 +206,7 @@ def _relieve(
 
 
 def come_out(
-    problem: Problem, before: New, new: New, two: Two, joint: bool, nearby: Nearby
+    problem: Problem, before: New, new: New, two: Two, joint: bool, nearby: Nearby, steps: int
 ) -> tuple[Two, float, float]:
     """Bend an arc off the obstacles, if need be with the one before it, and cut it to the part that fits.
 
@@ -221,6 +221,8 @@ def come_out(
         Whether the arc before it may change: there is one, and its end is not asked to be anywhere.
     nearby : Nearby
         Scratch.
+    steps : int
+        Most steps that bend it.
 
     Returns
     -------
@@ -238,13 +240,13 @@ def come_out(
     )
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
-    bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count)
+    bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count, steps)
     if pressure == 0.0:
         return bent, 0.0, 0.0
     if joint and problem.limits[k, BEND_SCALE] > 0.0 and (fits < 1.0 or overlap > SHALLOW):
         reach = ARC_REACH * (two[0][2] + q[2]) + (EVALUATION_REACH + RADII_AHEAD) * radius
         count, _ = few_near(problem.scene, position, reach, nearby.numbers)
-        both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count)
+        both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count, steps)
         if more > fits or (more == fits and deepest < overlap):
             bent, fits, overlap, pressure = both, more, deepest, left
     length = fits * q[2]

@@ -37,7 +37,7 @@ from sinuous.kernels.growing.beam import (
     empty_buckets,
     keep,
 )
-from sinuous.kernels.growing.bending import come_out
+from sinuous.kernels.growing.bending import RELIEF_STEPS, RELIEF_STEPS_AT_RANDOM, come_out
 from sinuous.kernels.growing.guide import leads, needed, sighted
 from sinuous.kernels.growing.legs import Leg, leg_to, missed
 from sinuous.kernels.growing.meeting import meets_itself
@@ -140,7 +140,8 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int,
     own, aim = get_vec(level, i, LAST_SEGMENT_Q), get_vec(beam.arcs, item, 0)
     joint = k > leg.first and problem.limits[k - 1, BEND_SCALE] > 0.0
     before = (start_of(start, own), k - 1, along - own[2]) if joint else (start, k, along)
-    (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.nearby)
+    steps = RELIEF_STEPS if leads(leg.guide) else RELIEF_STEPS_AT_RANDOM
+    (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.nearby, steps)
     start = end_of(before[0], own) if joint else start
     if overlap == math.inf or (problem.avoids_itself and meets_itself(problem, beam.levels, k, i, start, q)):
         return False
@@ -165,11 +166,12 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int,
 def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int, each: int) -> int:
     """Examine the `size` arcs in the heap, `each` for a chain, the most promising first.
 
-    Returns how many chains that makes.
+    Without a route scores tell little, so no more chains are made than are kept. Returns how many chains that makes.
     """
-    count, left, units = 0, ARCS_PER_CHAIN * beam.made.shape[0], ARC_WORK * work_of_all(problem.scene)
+    most = beam.made.shape[0] if leads(leg.guide) else beam.levels.shape[1]
+    count, left, units = 0, ARCS_PER_CHAIN * most, ARC_WORK * work_of_all(problem.scene)
     empty_buckets(beam)
-    while size > 0 and (left > 0 or count == 0) and count < beam.made.shape[0]:
+    while size > 0 and (left > 0 or count == 0) and count < most:
         if spend(beam.clock, units):
             return 0
         item, size = heap.pop(beam.heap, beam.items, size)

@@ -140,7 +140,7 @@ WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector: pytest.Collector) -> Iterator[pytest.CollectReport]:
     """Let every second process collect from the other end: each rewrites the assertions of half of the files."""
-    report: pytest.CollectReport = yield  # type: ignore[misc]
+    report: pytest.CollectReport = yield  # type: ignore[assignment, misc]
     if isinstance(collector, pytest.Directory) and WORKER.endswith(("1", "3", "5", "7", "9")):
         report.result.reverse()
     return report  # type: ignore[return-value]

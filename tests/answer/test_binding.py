@@ -57,6 +57,7 @@ def test_the_obstacle_of_a_proof_is_first(target: Any, obstacle: Any, status: sn
     robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
     solution = sn.solve(robot, sn.Target(target), [obstacle])
     assert solution.status is status
+    assert solution.reason is not None
     first = solution.binding[0]
     assert (first.constraint, first.obstacle) == ("clearance", obstacle.name)
     assert first.value == pytest.approx(solution.reason.available - solution.reason.needed)
@@ -117,6 +118,7 @@ def test_widening_what_is_named_helps_and_nothing_else_does(seed: int) -> None:
 def wider(problem: sn.Problem, segment: int | str | None, key: str | None) -> sn.Problem:
     """The problem with one side of one limit of one segment wider by a little."""
     assert isinstance(segment, int)
+    assert key is not None
     name, _, end = key.partition("[")
     limits = limits_to_widen(problem.robot, name, segment)
     assert limits is not None

@@ -80,6 +80,7 @@ def test_limits_of_actuators_are_named_and_widened() -> None:
     (held,) = (each for each in solution.binding if each.actuator is not None)
     assert (held.constraint, held.segment, held.actuator, held.limit) == ("actuator", 1, "pan", 0.3)
     assert held.value == pytest.approx(0.3)
+    assert solution.actuators is not None
     assert solution.actuators["pan"] <= 0.3 + 1e-12
     assert solution.verify().excess <= 1e-9
     remedy = helped(solution)["actuators.limits of pan and tilt"]
@@ -144,7 +145,10 @@ def test_a_body_that_begins_in_a_closed_lumen_is_told_to_stay_inside() -> None:
     assert "where the body belongs inside lumen, give that inside=True" in str(solution)
     remedy = helped(solution)["inside of lumen"]
     assert (remedy.before, remedy.after) == (False, True)
+    assert remedy.problem is not None
     assert remedy.problem.scene.obstacles[0].inside
+    assert solution.reason is not None
+    assert solution.reason.place is not None
     assert solution.reason.place.to_dict() == {"position": [0.0, 0.0, 0.0], "segment": 1, "share": 0.0}
     outside = sn.solve(BENDY, sn.Target((0.1, 0.1, 2.5)), [prism(0.05, 4.0)])
     assert outside.status is sn.Status.BASE_BLOCKED
@@ -156,6 +160,7 @@ def test_an_obstacle_that_is_in_the_way_says_where_it_would_have_to_give_way() -
     remedy = helped(solution)["obstacle wall"]
     assert "deep in it, at (" in remedy.note
     (held,) = [each for each in solution.binding if each.obstacle == "wall"]
+    assert held.place is not None
     assert held.place.segment == held.segment
     assert str(held.place) in str(solution.explain(0.0))
 
@@ -211,6 +216,7 @@ def test_remedies_solve_what_they_say() -> None:
         assert not solution.solved
         for remedy in solution.explain(time=ENOUGH).remedies:
             after, own = remedy.after, remedy.problem
+            assert own is not None
             scene, start = sn.Scene.of(own.scene), remedy.start
             again = sn.solve(own.robot, own.targets, scene, tolerance=own.tolerance, initial=start, max_starts=20)
             assert again.solved
@@ -254,6 +260,7 @@ def test_a_cloud_gives_way_at_a_place_and_not_as_a_whole() -> None:
     where = np.array(remedy.after["position"])
     assert abs(where[1] - 0.8) < 0.3
     assert remedy.after["radius"] < 1.5
+    assert remedy.problem is not None
     again = sn.solve(BENDY, remedy.problem.targets, remedy.problem.scene.obstacles, max_starts=200)
     assert again.solved
     assert again.verify().ok

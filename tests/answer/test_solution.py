@@ -33,6 +33,7 @@ def test_an_unsolved_answer_raises_and_says_why() -> None:
     assert str(caught.value).startswith("out_of_reach (proved: ")
     assert str(solution.reason) in str(caught.value)
     assert "\n" not in str(caught.value)
+    assert solution.worst is not None
     assert solution.worst.constraint == "position"
     assert solution.worst.amount == pytest.approx(9 - 3.6, rel=1e-3)
 
@@ -67,7 +68,9 @@ def test_an_answer_speaks_of_the_scene_that_it_was_found_in() -> None:
     assert free.verify().ok
     assert blocked.status is sn.Status.TARGET_BLOCKED
     assert not blocked.verify().ok
+    assert blocked.reason is not None
     assert blocked.reason.available == pytest.approx(-0.3, abs=1e-2)
+    assert blocked.worst is not None
     assert (blocked.worst.constraint, blocked.worst.obstacle) == ("clearance", "camera")
     assert free.problem.scene is not blocked.problem.scene
     assert solver.solve(sn.Target((0, 1, 2))).q.tobytes() == free.q.tobytes()

@@ -51,6 +51,7 @@ def test_the_number_is_the_one_that_proves_it(
     solution = Solver(ROBOT).solve(target)
     assert solution.status is Status.OUT_OF_REACH
     reason = solution.reason
+    assert reason is not None
     assert reason.needed > reason.available
     if needed is not None:
         assert reason.bound == bound
@@ -64,12 +65,14 @@ def test_obstacles_are_called_by_their_names() -> None:
     tank = Sphere((0, 1.0, 2.5), 0.4, name="tank")
     blocked = Solver(robot, [tank, Box((5, 5, 5), (1, 1, 1))]).solve(Target((0, 1.0, 2.15)))
     assert blocked.status is Status.TARGET_BLOCKED
+    assert blocked.reason is not None
     assert (blocked.reason.bound, blocked.reason.obstacle) == ("target", "tank")
     assert blocked.reason.needed == pytest.approx(0.1)
     assert blocked.reason.available == pytest.approx(-0.05, abs=1e-3)
 
     based = Solver(robot, [tank, Box((0, 0, 0.5), (1, 1, 1), name="floor")]).solve(Target((0, 0, 2.5)))
     assert based.status is Status.BASE_BLOCKED
+    assert based.reason is not None
     assert (based.reason.bound, based.reason.obstacle, based.reason.available) == ("base", "floor", -0.5)
     assert "the usual remedy is a longer mount" in str(based.reason)
 
@@ -79,8 +82,10 @@ def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
     walls = [Box(np.array([0, 0, 2.6]) + 0.5 * axis, np.where(axis, 0.1, 1.1)) for axis in (*np.eye(3), *-np.eye(3))]
     solution = Solver(robot, Scene(walls), time=60.0).solve(Target((0, 0, 2.5)))
     assert solution.status is Status.NO_ROUTE
+    assert solution.reason is not None
     assert (solution.reason.bound, solution.reason.needed) == ("route", 0.1)
     assert solution.reason.available == pytest.approx(0.05)
+    assert solution.reason.obstacle is not None
     assert solution.reason.obstacle.startswith("box[")
     assert solution.to_dict()["reason"]["bound"] == "route"
     assert str(solution.reason).startswith(
@@ -96,12 +101,14 @@ def test_no_route_is_said_of_width_and_length_together_and_no_remedy_contradicts
     robot = Robot([Segment((40, 60), 2.0, radius=8)] * 4)
     solution = Solver(robot, [WALL], time=60.0).solve(Target((0, 0, 190)))
     assert solution.status is Status.NO_ROUTE
+    assert solution.reason is not None
     assert solution.reason.longest == 240.0
     assert "both no longer than the robot and wide enough" in solution.sentence
     changes = {remedy.change.partition(" ")[0] for remedy in solution.explain(time=60.0).remedies}
     assert "length" in changes
     assert changes <= {"length", "obstacle", "target", "radius", "tolerance.position"}
     deepest = solution.explain(time=0.0).binding[0]
+    assert solution.worst is not None
     assert (deepest.obstacle, deepest.segment) == ("wall", solution.worst.segment)
     assert deepest.value == pytest.approx(-solution.worst.amount, rel=0.01)
 
@@ -111,4 +118,5 @@ def test_of_an_elbow_it_is_the_length_up_to_there_that_counts() -> None:
     robot = Robot([thick, thick, thick, thin])
     solution = Solver(robot, [WALL], time=60.0).solve([Target((0, 0, 165), segment=3)])
     assert solution.status is Status.NO_ROUTE
+    assert solution.reason is not None
     assert (solution.reason.longest, solution.reason.needed) == (180.0, 8.0)

@@ -52,6 +52,8 @@ def test_places_are_where_they_say(seed: int) -> None:
     worst, contacts = find_overlap(CONTACTS_ROBOT, problem.scene, q), contacts_of(problem, q)
     said = [(worst.place, -worst.amount), *((each.place, each.clearance) for each in contacts)]
     for place, clearance in said:
+        assert place is not None
+        assert place.segment is not None
         assert place.share is not None
         part = q.copy()
         part[place.segment - 1] *= place.share

@@ -114,6 +114,7 @@ def test_a_process_begins_with_what_it_is_given() -> None:
 @pytest.mark.parametrize("end", [signal.SIGTERM, getattr(signal, "SIGKILL", signal.SIGTERM)])
 def test_a_process_ends_however_its_program_ends(end: signal.Signals) -> None:
     with subprocess.Popen([sys.executable, "-c", PROGRAM], stdout=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
         worker = int(program.stdout.readline())
         assert alive(worker)
         program.send_signal(end)

@@ -80,6 +80,7 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
     said = re.fullmatch(
         r"sinuous: interrupted; what was found is kept \((.*) solves\), the same command goes on\n", told
     )
+    assert said is not None
     assert int(said[1].replace(",", "")) >= 5**3
     assert run(f"{REACH} --directions 3 --out map.npz", 2).err.startswith("--directions: ")
     assert run(f"{REACH} --toward 0,0,1", 2).err.startswith("--toward: cannot be combined with --directions")
@@ -123,4 +124,5 @@ def test_a_design_that_is_interrupted_says_how_many_robots_are_kept(run: Run, mo
     said = re.fullmatch(
         r"sinuous: interrupted; what was judged is kept \((\d+) robots\), the same command goes on", told
     )
+    assert said is not None
     assert int(said[1]) > 0

@@ -48,5 +48,6 @@ def test_solutions_among_them_are_verified(name: str) -> None:
             solved += 1
             check = solution.verify()
             assert check.ok
+            assert solution.clearance is not None
             assert solution.clearance <= check.clearance + 1e-9
     assert solved >= 4

@@ -113,8 +113,11 @@ def test_a_hairpin_touches_itself_where_it_says() -> None:
     tighter[2, 0] = 0.6
     gap, segments, place = measured(robot, tighter)
     assert gap < 0.0
+    assert segments is not None
     assert segments[1] == 3
+    assert place is not None
     assert place.segment == 3
+    assert place.share is not None
     cut = np.concatenate([tighter[:2], tighter[2:] * place.share])
     assert place.position == pytest.approx(robot.forward(cut)[-1, :3, 3], abs=1e-9)
 

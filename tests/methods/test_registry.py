@@ -84,6 +84,7 @@ def test_a_violated_limit_is_the_worst() -> None:
     solution = sn.solve(robot, sn.Target((150, -90, 220)), method=sn.methods.OptiPath(restarts=False, bend_weight=0.0))
     assert solution.status is sn.Status.LIMIT_BOUND
     assert not solution.verify().ok
+    assert solution.worst is not None
     assert solution.worst.constraint == "bend"
     assert solution.worst.amount == pytest.approx(np.hypot(*solution.q[:, :2].T).max() - 0.26)
     assert "bend of segment" in str(solution.worst)

@@ -47,6 +47,8 @@ def energy(robot: sn.Robot, q: Floats, values: Floats) -> float:
     """What the shape that tendons pull a robot into has least of; written out one by one."""
     total, at = 0.0, 0
     for k, segment in enumerate(robot.segments):
+        assert segment.stiffness is not None
+        assert segment.tendons is not None
         total += segment.stiffness.bend / segment.length[0] * float(((q[k, :2] - segment.rest) ** 2).sum()) / 2.0
         bend = q[: k + 1, :2].sum(axis=0)
         for angle, stiff in zip(segment.tendons.angles, segment.tendons.stiffnesses, strict=True):
@@ -171,6 +173,8 @@ def test_what_no_tension_holds_is_not_solved() -> None:
         solution = sn.solve(tight, sn.Target(position), time=0.2)
         assert not (solution.solved and tight.violations(solution.q))
         if solution.solved:
+            assert solution.actuators is not None
+            assert solution.tensions is not None
             assert solution.to_dict()["tensions"] == solution.tensions
             np.testing.assert_allclose(list(solution.tensions.values()), tight.tensions(solution.actuators), atol=1e-12)
             assert tight.tensions(list(solution.actuators.values())).max() <= 1.2 + 1e-9

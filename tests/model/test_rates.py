@@ -76,6 +76,7 @@ def test_joints_keep_the_stricter_of_their_own_rates_and_those_given() -> None:
     rates = sn.Rates(bend=9.0, length=8.0, joint={"roll": 1.0, "feed": 0.7})
     own, further = rates.spread(arm), rates.further(arm)
     for spread, roll_most, feed_most, rest in ((own, 1.0, 0.5, (9.0, 8.0)), (further, 3.0, math.inf, (math.inf,) * 2)):
+        assert spread is not None
         both = np.stack([spread.bend, spread.length], axis=1)
         at = [*zip(arm._rigid.values.tolist(), np.minimum(arm._rigid.columns, 1).tolist(), strict=True)]
         assert [both[place] for place in at] == [roll_most, feed_most]

@@ -40,6 +40,7 @@ def drawn(robot: sn.Robot, count: int, spread: float) -> Floats:
 def test_rows_say_what_the_least_tensions_say(kind: str) -> None:
     robot = robot_of(kind)
     q, elastic = robot.drive.coordinates.project(drawn(robot, 200, 0.5)), robot.drive.elastic
+    assert elastic is not None
     excess = np.maximum(0.0, elastic.rows.excess(q).max(axis=1))
     np.testing.assert_allclose(excess, np.maximum(0.0, elastic.balance(q).short.max(axis=1)), atol=1e-12)
     assert 0 < (excess < 1e-12).sum() < 200
@@ -51,6 +52,7 @@ def test_rows_say_what_the_least_tensions_say(kind: str) -> None:
 def test_slopes_are_those_of_values_and_ways_are_bounded(kind: str) -> None:
     robot = robot_of(kind)
     rows = robot.limit_set.tension_rows
+    assert rows is not None
     assert rows.linear == (kind != "lengths")
     q = drawn(robot, 40, 0.5)
     steps = 1e-6 * np.eye(q[0].size).reshape(-1, *q[0].shape)
@@ -70,6 +72,7 @@ def test_lines_that_end_where_nothing_bends_have_no_rows() -> None:
     stiff = sn.Segment(20.0, max_bend=0.0, tendons=lines)
     robot = sn.Robot([sn.Segment(60.0, stiffness=2000.0), stiff])
     rows = robot.limit_set.tension_rows
+    assert rows is not None
     assert not rows.decoupled
     held = robot.from_actuators([0.1, 0.0])
     assert rows.share_between(held, held, 1e-9) == 0.0

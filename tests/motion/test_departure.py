@@ -36,6 +36,8 @@ def off_line(motion: sn.Motion, begin: int, end: int) -> Floats:
     assert knots[0] is not None
     assert knots[1] is not None
     a, b = (motion.solutions[i].problem.targets[0].position for i in (begin, end))
+    assert a is not None
+    assert b is not None
     tips = motion.robot.tip(motion.at(np.linspace(motion.times[knots[0]], motion.times[knots[1]], 500)))[:, :3, 3]
     share = np.clip((tips - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
     distances: Floats = np.linalg.norm(tips - a - share[:, None] * (b - a), axis=-1)

@@ -18,7 +18,7 @@ def test_a_motion_through_a_ball_names_the_ball_the_place_and_a_thinner_body() -
     (held,) = found.binding
     assert (held.constraint, held.obstacle, held.limit) == ("clearance", "ball", 0.0)
     assert held.place is not None
-    assert held.value == pytest.approx(-motion.worst.amount)
+    assert held.value == pytest.approx(-motion.worst.amount)  # type: ignore[union-attr]
     without = next(remedy for remedy in found.remedies if remedy.change == "obstacle ball")
     assert "deep in it, at (" in str(without)
     assert sn.Motion(ROBOT, SIDES, [sn.Sphere((500, 0, 0), radius=1)]).solved
@@ -49,11 +49,13 @@ def test_verification_has_the_places_where_it_is_nearest() -> None:
     motion = sn.Motion(ROBOT, SIDES, [BALL])
     (step,) = motion.verify()
     assert not step.ok
+    assert step.place is not None
     middle = np.array(step.place.position)
     assert np.linalg.norm(middle - BALL.center) == pytest.approx(step.clearance + BALL.radius + 4.0, abs=1e-6)
     assert step.place.segment == step.segment
     assert "in ball at (" in repr(step)
     one = sn.check(ROBOT, SIDES[0], [BALL])
+    assert one.place is not None
     assert np.linalg.norm(np.array(one.place.position) - BALL.center) == pytest.approx(one.clearance + 10.0, abs=1e-6)
     many = sn.check(ROBOT, SIDES, [BALL])
     assert many.place[0] == one.place

@@ -59,6 +59,7 @@ def test_an_arm_that_stretches_unrolls_into_a_solved_shape() -> None:
     solution = sn.solve(UNROLLING, sn.Target((60, 20, 200), direction=(0.7, 0, 0.7)), [BALL])
     motion = sn.follow_the_leader(UNROLLING, solution, [BALL])
     assert motion.solved
+    assert motion.clearance is not None
     np.testing.assert_allclose(motion.q[0, :, 2], 10.0, atol=1e-6)
     np.testing.assert_allclose(motion.q[-1], solution.q, atol=0.02)
     places = body_places(UNROLLING, motion.at(np.linspace(motion.times[0], motion.times[-1], 300)))
@@ -132,6 +133,7 @@ def test_what_is_known_of_each_segment_goes_onto_the_stage_too() -> None:
     )
     robot = sn.on_stage(arm, 100)
     assert (robot.clearance, robot.self_clearance) == ((1, 1, 2), (3, 3, 4))
+    assert robot.uncertainty is not None
     assert (robot.uncertainty.bound, robot.uncertainty.level) == ((0.5, 0.5, 0.7), 0.99)
     assert [(load.mass, load.segment) for load in robot.payload] == [(2, 2)]
 

@@ -28,6 +28,7 @@ def test_a_track_is_proved_and_verified() -> None:
     assert motion.between == "proved"
     found = motion.verify()
     assert all(each.ok for each in found)
+    assert motion.clearance is not None
     assert 0.0 < motion.clearance <= min(each.clearance for each in found)
     assert motion.tips[-1][:3, 3] == pytest.approx(motion.solutions[-1].problem.targets[0].position, abs=3e-5)
     assert np.linalg.norm(robot.tip(motion.q[-1])[:3, 3] - motion.tips[-1][:3, 3]) > 0.01, "nothing bends it"
@@ -36,6 +37,8 @@ def test_a_track_is_proved_and_verified() -> None:
 def test_the_loaded_tip_stays_on_the_line_between_waypoints() -> None:
     robot = arm()
     begin, end = (each.position for each in path(robot, Q + 2.0 * MOVED, 2))
+    assert begin is not None
+    assert end is not None
     motion = sn.track(robot, [sn.Target(begin), sn.Target(end)], start=Q, time=SECONDS, deviation=0.002)
     assert motion.solved
     along = (end - begin) / np.linalg.norm(end - begin)
@@ -156,6 +159,7 @@ def test_the_loaded_body_unrolls_clear_of_an_obstacle_and_ends_in_a_solved_shape
     assert solution.solved, solution
     motion = sn.follow_the_leader(robot, solution, [ball], tip_deviation=1e-3)
     assert motion.solved, motion
+    assert motion.clearance is not None
     seen = motion.verify()
     assert all(each.ok for each in seen)
     assert motion.clearance <= min(each.clearance for each in seen)

@@ -32,6 +32,7 @@ def test_one_made_of_knots_is_proved() -> None:
     motion = sn.Motion(ROBOT, KNOTS, [BALL], times=[0.0, 0.5, 2.0])
     assert motion.solved
     assert (motion.between, motion.unproved_steps) == ("proved", ())
+    assert motion.clearance is not None
     sampled = min(sn.Scene([BALL]).distance(ROBOT.backbone(q)).min() for q in motion.at(np.linspace(0.0, 2.0, 200)))
     assert 0.0 < motion.clearance <= sampled - 0.05 + 1e-12
     assert motion.actuators.shape == (3, 9)
@@ -42,6 +43,7 @@ def test_a_step_through_an_obstacle_is_blocked_and_says_where() -> None:
     across = np.stack([BENT, BENT * [-1.0, -1.0, 1.0]])
     motion = sn.Motion(ROBOT, across, [sn.Sphere((0.0, 0.0, 2.0), 0.2)])
     assert motion.status is sn.Status.BLOCKED
+    assert motion.worst is not None
     assert (motion.worst.obstacle, motion.worst.step) == ("sphere[0]", 1)
     assert "overlaps; step 1, at time" in str(motion)
     assert (motion.between, motion.unproved_steps, motion.clearance) == ("unproved", (1,), None)
@@ -61,6 +63,9 @@ def test_a_motion_is_blocked_where_independent_sampling_sees_an_overlap(seed: in
         assert motion.status is sn.Status.BLOCKED
     if motion.status is sn.Status.BLOCKED:
         worst = motion.worst
+        assert worst is not None
+        assert worst.step is not None
+        assert worst.time is not None
         assert motion.times[worst.step - 1] <= worst.time <= motion.times[worst.step]
         there = sn.check(ROBOT, motion.at(worst.time), balls)
         assert worst.amount == pytest.approx(-min(there.clearance, there.self_clearance), abs=1e-3 * unit)
@@ -68,6 +73,7 @@ def test_a_motion_is_blocked_where_independent_sampling_sees_an_overlap(seed: in
         if worst.constraint == "clearance":
             assert (worst.segment, worst.obstacle) == (there.segment, there.obstacle)
         back = motion.reversed()
+        assert back.worst is not None
         assert (back.status, back.worst.step) == (motion.status, len(knots) - worst.step)
         assert np.allclose(back.at(back.worst.time or 0.0), motion.at(worst.time))
     else:

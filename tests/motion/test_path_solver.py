@@ -85,6 +85,7 @@ def test_a_slide_keeps_the_targets() -> None:
     steps = TipSteps(solver, 0.4)
     begin, end = (Knot(each.q, None, targets, each) for each in solver.solve_all(list(targets), count=2))
     knots = slide(steps, begin, end, targets)
+    assert knots is not None
     np.testing.assert_array_equal(knots[-1].q, end.q)
     tips = ROBOT.tip(_dense([begin.q, *(knot.q for knot in knots)]))
     assert np.linalg.norm(tips[:, :3, 3] - place, axis=1).max() <= 0.4

@@ -33,6 +33,7 @@ def test_a_plan_to_a_configuration_is_proved_and_judged_clear() -> None:
         again = prove_steps(ROBOT, scene.snapshot(), motion.q)
         assert again.proved.all()
         tight = prove_steps(ROBOT, scene.snapshot(), motion.q, slack=0.01).clearances.min()
+        assert motion.clearance is not None
         assert motion.self_clearance is not None
         assert max(0.0, 0.89 * tight) < motion.clearance
         assert motion.clearance == pytest.approx(again.clearances.min(), rel=0.2)
@@ -142,12 +143,15 @@ def test_a_start_that_is_blocked_is_said_to_be() -> None:
     motion = sn.plan(ROBOT, STRAIGHT, bent, ball)
     assert motion.status is sn.Status.START_BLOCKED
     assert not motion.solved
+    assert motion.worst is not None
     assert motion.worst.obstacle == "ball"
     beyond = sn.plan(ROBOT, [[0.0, 0.0, 1.5]] * 4, STRAIGHT)
     assert beyond.status is sn.Status.START_BLOCKED
+    assert beyond.worst is not None
     assert beyond.worst.constraint == "length"
     curled = sn.plan(ROBOT, [[2.8, 0.0, 1.0]] * 4, STRAIGHT)
     assert curled.status is sn.Status.START_BLOCKED
+    assert curled.worst is not None
     assert curled.worst.constraint == "self_clearance"
 
 
@@ -156,6 +160,7 @@ def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() 
     bent = [[1.0, 0.0, 1.0]] * 4
     motion = sn.plan(ROBOT, bent, STRAIGHT, ball)
     assert motion.status is sn.Status.TARGET_BLOCKED
+    assert motion.worst is not None
     assert motion.worst.obstacle == "ball"
     with pytest.raises(
         sn.InputError,
@@ -196,7 +201,7 @@ def test_wrong_ends_are_refused() -> None:
     refused("goal", lambda: sn.plan(ROBOT, STRAIGHT, [[0, 0, 1]]), "shape (1, 3); expected ", "3")
     with pytest.raises(sn.InputError, match=r"^goal\[1\]: expected a Target"):
         sn.plan(ROBOT, STRAIGHT, [sn.Target((0, 0, 3)), 4])  # type: ignore[arg-type]
-    refused("robot", lambda: sn.plan(None, STRAIGHT, STRAIGHT), "missing; expected a Robot")
+    refused("robot", lambda: sn.plan(None, STRAIGHT, STRAIGHT), "missing; expected a Robot")  # type: ignore[arg-type]
 
 
 def test_another_unit_of_length_changes_nothing() -> None:
@@ -211,5 +216,7 @@ def test_another_unit_of_length_changes_nothing() -> None:
         to = np.array([1.0, 1.0, unit])
         motion, scaled = sn.plan(robot, start, goal, scene), sn.plan(other, start * to, goal * to, far)
         np.testing.assert_array_equal(scaled.q, motion.q * to)
+        assert motion.clearance is not None
+        assert motion.self_clearance is not None
         assert scaled.clearance == unit * motion.clearance
         assert scaled.self_clearance == unit * motion.self_clearance

@@ -31,6 +31,7 @@ def test_a_plan_is_clear_at_all_times_and_keeps_the_rates(place: str, timing: Pl
     if "duration" in timing:
         assert motion.times[-1] == pytest.approx(motion.times[0] + timing["duration"])
     least = least_clearance(motion)
+    assert motion.clearance is not None
     assert 0.0 < motion.clearance <= least + 1e-9
     if "rates" in timing:
         bend, length = fastest(motion)
@@ -58,6 +59,7 @@ def test_a_plan_keeps_accelerations(place: str, timing: PlanArguments, gains: tu
         assert most[0] <= limits[0] * (1 + 1e-6)
         assert most[1] <= limits[1] * (1 + 1e-6)
     assert hardest(motion)[0] > 0.1 * gains[0]  # it is near what is allowed: the judge sees something
+    assert motion.clearance is not None
     assert 0.0 < motion.clearance <= least_clearance(motion) + 1e-9
     if timing:
         assert motion.times[[0, -1]].tolist() == [0.5, 9.5]

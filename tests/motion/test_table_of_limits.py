@@ -253,6 +253,7 @@ def _pulled(robot: sn.Robot, one: Floats, other: Floats) -> float:
 
 def speeds(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
     """Yield by how much rates, and accelerations from knot to knot, are exceeded, relative to themselves."""
+    assert asked.rates is not None
     joints, arcs = asked.robot.split(way.q)
     moved, times = np.diff(arcs, axis=0) / np.diff(way.times)[:, None, None], np.diff(way.times)
     turning = np.diff(joints, axis=0) / times[:, None]

@@ -24,6 +24,7 @@ def test_every_waypoint_is_solved_and_verifies() -> None:
     assert all(verification.ok for verification in track.verify())
     assert track.between == "proved"
     assert track.unproved_steps == ()
+    assert track.clearance is not None
     assert 0.0 < track.clearance <= min(solution.clearance or 0.0 for solution in track.solutions)
     assert track.raise_for_status() is track
 

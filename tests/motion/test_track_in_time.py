@@ -26,6 +26,7 @@ def test_a_path_is_followed_in_time(started: bool) -> None:
     for solution, when in zip(motion.solutions, TIMES.tolist(), strict=True):
         assert solution.problem.scene.equals(motion.scene.at(when))
         assert solution.verify().ok
+    assert motion.clearance is not None
     assert 0.0 < motion.clearance <= least_clearance(motion) + 1e-9
     assert sn.Motion(ROBOT, motion.q, [PASSING], motion.times).between == "proved"
 
@@ -34,6 +35,7 @@ def test_where_an_obstacle_blocks_the_path_it_is_said() -> None:
     motion = sn.track(ROBOT, PATH, [BLOCKING], times=TIMES)
     assert not motion.solved
     assert motion.status is sn.Status.TARGET_BLOCKED
+    assert motion.worst is not None
     assert motion.worst.obstacle == "sphere[0]"
     hit = sn.Moving(sn.Sphere((0, 0, 0), 0.5), [0], [tuple(ROBOT.tip(START)[:3, 3])])
     assert sn.track(ROBOT, PATH, [hit], start=START).status is sn.Status.START_BLOCKED

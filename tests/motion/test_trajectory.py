@@ -120,6 +120,7 @@ def test_half_of_what_is_proved_to_be_free_is_left() -> None:
     ball = sn.Sphere(beside, radius=float(gap) - 4.0 - 0.5)
     motion = sn.Motion(ARM.changed(self_collision="allow"), q, [ball])
     assert motion.solved
+    assert motion.clearance is not None
     timed = motion.timed(BOTH, 1e3)
     passed = body_places(ARM, timed.at(np.linspace(0.0, timed.duration, 2000)))
     clearance = np.linalg.norm(passed - ball.center, axis=-1).min() - ball.radius - 4.0
@@ -209,6 +210,7 @@ def test_it_holds_every_number_to_the_last_digit(track: sn.Motion, tmp_path: Pat
     assert list(rows[0]) == ["time", *column_names(ROBOT)]
     assert [row["time"] for row in rows] == ["0.0", "1.0", "2.0"]
     for row, solution in zip(rows, track.solutions[:3], strict=True):
+        assert solution.actuators is not None
         assert {name: float(row[name]) for name in solution.actuators} == pytest.approx(solution.actuators, abs=1e-15)
         assert [float(row[name]) for name in column_names(ROBOT)[:9]] == solution.q.ravel().tolist()
 

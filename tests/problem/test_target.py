@@ -40,6 +40,7 @@ def test_rows_of_every_kind() -> None:
     np.testing.assert_array_equal(row[0, :6], [-1, 0, 0, 0, 0, ROTATION])
     np.testing.assert_allclose(row[0, 6:], rotation.ravel(), atol=1e-15)
     half_turn = sn.Target(rotation=(0, 0, 0, 1))  # a quaternion wxyz: half a turn about z
+    assert half_turn.rotation is not None
     np.testing.assert_allclose(half_turn.rotation, np.diag([-1.0, -1.0, 1.0]), atol=1e-15)
     assert repr(sn.Target(direction=(1, 0, 0), segment=2)) == "Target(direction=(1, 0, 0), segment=2)"
 
@@ -142,6 +143,7 @@ P, D, R = RNG.normal(size=(20, 3)), RNG.normal(size=(20, 3)), Rotation.random(20
 def test_loose_rotations_are_made_exact_one_like_many() -> None:
     loose = R.as_matrix() + 1e-8 * RNG.normal(size=(20, 3, 3))
     many = TipGoals.read({"rotations": loose}).rotations
+    assert many is not None
     for matrix, exact in zip(loose, many, strict=True):
         np.testing.assert_array_equal(exact, rotation_matrix("rotation", matrix))
         np.testing.assert_allclose(exact @ exact.T, np.eye(3), atol=1e-15)

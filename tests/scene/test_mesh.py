@@ -135,7 +135,7 @@ def test_the_axis_that_is_up_is_turned_to_z(tmp_path: Path, kind: str) -> None:
     sizes = [np.ptp(sn.Mesh.load(file, 1, up=up).vertices, axis=0).round(6).tolist() for up in asked]
     turned, kept = [1.0, 3.0, 2.0], [1.0, 2.0, 3.0]
     assert sizes == [turned if kind == "glb" else kept, turned, kept]
-    assert sn.Mesh.load(file, 1, up="y").source.arguments["up"] == "y"
+    assert sn.Mesh.load(file, 1, up="y").source.arguments["up"] == "y"  # type: ignore[union-attr]
     refused("up", lambda: sn.Mesh.load(file, 1, up="x"), "y or z")  # type: ignore[arg-type]
 
 
@@ -347,6 +347,7 @@ def test_decimation_in_files_is_said_and_kept(tmp_path: Path) -> None:
     pytest.importorskip("fast_simplification")
     trimesh.Trimesh(*bumpy(30), process=False).export(tmp_path / "a.ply")
     mesh = sn.Mesh.load(tmp_path / "a.ply", 10.0, decimate=1.0)
+    assert mesh.source is not None
     assert mesh.source.arguments["decimate"] == 1.0
     assert 0.0 < mesh.margin <= 1.0
     assert mesh._box[1, 0] >= mesh.vertices[:, 0].max() + mesh.margin

@@ -71,6 +71,8 @@ def test_poses_may_be_given_in_several_ways() -> None:
     poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = turns.as_matrix(), POSITIONS, 1.0
     assert one.equals(sn.Moving(ball, TIMES, poses=poses))
     same = sn.Moving(ball, TIMES, POSITIONS, xyzw=turns.as_quat())
+    assert one.rotations is not None
+    assert same.rotations is not None
     np.testing.assert_allclose(same.rotations, one.rotations)
     spinning = sn.Moving(ball, TIMES, rotations=turns)
     there = spinning.at(1.0)

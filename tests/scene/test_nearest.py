@@ -31,6 +31,7 @@ def bent(rng: np.random.Generator) -> Floats:
 
 def standing(q: Floats, place: BodyPlace) -> Floats:
     """Where (3,) a place is said to be: at the end of a body that is cut off there."""
+    assert place.segment is not None
     assert place.share is not None
     part = q.copy()
     part[place.segment - 1] *= place.share
@@ -50,8 +51,10 @@ def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
         assert distance == pytest.approx(expected.distance, abs=1e-9)
         assert obstacle == expected.obstacle
         if obstacle is not None:
+            assert place is not None
             assert place.segment == segment
             assert np.linalg.norm(place.position - standing(q, place)) < 1e-9
+            assert expected.place is not None
             assert np.linalg.norm(expected.place.position - standing(q, expected.place)) < 1e-9
         if segment != expected.segment:  # where two meet, either may be named
             places, segments = body_places(ROBOT, q, ends)

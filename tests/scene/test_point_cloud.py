@@ -138,6 +138,7 @@ def test_points_that_are_not_finite_are_dropped_where_asked(tmp_path: Path) -> N
     np.save(tmp_path / "scan.npy", places)
     loaded = PointCloud.load(tmp_path / "scan.npy", 1.0, invalid="drop")
     np.testing.assert_array_equal(loaded.points, POINTS[kept])
+    assert loaded.source is not None
     assert loaded.source.arguments["invalid"] == "drop"
     refused("points", lambda: PointCloud(np.full((2, 3), np.nan), 1.0, invalid="drop"), "at least one point")
 

@@ -87,6 +87,7 @@ def test_bends_from_a_fibre_and_points_of_the_body() -> None:
     step: sn.Solution | Step = sn.solve(ARM, elbow)
     for _ in range(60):
         step = arm_solver().step(step, dt=0.01, target=elbow, measured=points(step.q), places=[2.0 / 3.0, 1.0])
+    assert elbow.position is not None
     assert np.linalg.norm(points(step.q)[0] - elbow.position) < 1e-3 * LENGTH
 
 
@@ -95,7 +96,9 @@ def test_what_is_not_seen_changes_nothing_and_what_is_known_is_carried() -> None
     first = arm_solver().step(sn.solve(ARM, target), dt=0.01, target=target, measured=TARGET + 3.0)
     blind = arm_solver().step(first, dt=0.01, target=target, measured=np.full(3, math.nan))
     without = arm_solver().step(first, dt=0.01, target=target)
+    assert first.observed is not None
     for step in (blind, without):
+        assert step.observed is not None
         np.testing.assert_array_equal(step.observed.shifts, first.observed.shifts)
     again = pickle.loads(pickle.dumps(first))
     np.testing.assert_array_equal(again.observed.shifts, first.observed.shifts)

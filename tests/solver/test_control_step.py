@@ -172,6 +172,7 @@ def test_a_wall_is_not_passed_and_is_slid_along() -> None:
     for _ in range(80):
         step = ik.step(q, (10.0, 120.0, 0.0), dt, rates=sn.Rates(bend=2.0))
         assert step.proved
+        assert step.clearance is not None
         assert step.clearance > 0.0
         q = step.q
     assert step.status == "held_back"
@@ -242,6 +243,7 @@ def test_the_body_does_not_run_into_itself() -> None:
         q = step.q
     assert touched
     checked = sn.check(robot, q)
+    assert checked.self_clearance is not None
     assert checked.self_clearance > 0.0
 
 
@@ -254,6 +256,7 @@ def test_steps_towards_a_target_end_there() -> None:
         if step.status == "reached":
             break
     assert step.status == "reached"
+    assert step.position_error is not None
     assert step.position_error <= 1e-4 * UNIT
     np.testing.assert_allclose(ROBOT.tip(q)[:3, 3], (60.0, 0.0, 240.0), atol=1e-4 * UNIT)
     assert step.share is None

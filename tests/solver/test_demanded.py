@@ -32,6 +32,7 @@ def test_a_solution_keeps_it_and_says_the_distance_of_the_body(scale: float, cle
         target = sn.Target((60.0 * scale, y * scale, 90.0 * scale))
         found = sn.solve(robot, target, [ball], clearance=clearance * scale)
         assert found.solved
+        assert found.clearance is not None
         true = sampled(robot, [ball], found.q)
         assert clearance * scale <= found.clearance <= true <= 1.2 * found.clearance
         assert found.verify().ok
@@ -61,6 +62,7 @@ def test_a_distance_from_itself_is_kept(apart: float) -> None:
         target = sn.Target((10.0 * k, -20.0, 20.0))
         found = sn.solve(robot, target, self_clearance=apart, seed=seed)
         assert found.solved
+        assert found.self_clearance is not None
         assert found.self_clearance >= apart
         own = robot.changed(self_clearance=apart)
         itself = least_self_clearance(own, found.q, segment_ends(own, found.q))
@@ -101,6 +103,7 @@ def test_every_way_of_solving_keeps_it() -> None:
     planned = sn.plan(ROBOT, many[0], sn.Target(targets[2]), scene, clearance=4.0)
     for motion in (moved, planned):
         assert motion.solved
+        assert motion.clearance is not None
         assert motion.clearance >= 4.0
         between = np.concatenate([(1.0 - s) * motion.q[:-1] + s * motion.q[1:] for s in (0.0, 0.3, 0.7)])
         assert min(sampled(ROBOT, scene, q) for q in between) >= motion.clearance - 1e-9
@@ -120,6 +123,7 @@ def test_a_loop_never_comes_nearer() -> None:
         for _ in range(40):
             step = loop.step(q, (-30.0, -15.0, -10.0), 0.02)
             if step.proved:
+                assert step.clearance is not None
                 assert step.self_clearance is not None
                 assert 3.0 <= step.clearance <= sampled(ROBOT, [BALL], step.q) + 1e-9
             q, nearest = step.q, min(nearest, sampled(ROBOT, [BALL], step.q))
@@ -134,6 +138,7 @@ def test_a_motion_that_comes_nearer_is_not_proved() -> None:
     steps = prove_steps(ROBOT, ball, np.stack([straight, near]))
     assert steps.proved.all()
     least = steps.clearance
+    assert least is not None
     again = prove_steps(ROBOT.changed(clearance=0.9 * least), ball, np.stack([straight, near]))
     assert again.proved.all()
     assert again.clearance == pytest.approx(least, rel=0.11)

@@ -54,6 +54,7 @@ def test_all_gaps_between_bars() -> None:
     bends = [float((s.q[:, :2] ** 2).sum()) for s in found]
     assert bends == sorted(bends)
     for solution in found:
+        assert solution.route_class is not None
         (at,) = gap(solution.q, 140.0, BARS)
         sides = {each.obstacle: each.side for each in solution.route_class.passes}
         assert all(side == ("+x" if int(name[-1]) < at else "-x") for name, side in sides.items())
@@ -74,6 +75,7 @@ def test_what_is_all_around_is_gone_through() -> None:
     found = solver([plate_with_holes()]).solve_all(TARGET, count=2)
     assert sorted(np.sign(crossing(s.q, 125.0)[0]) for s in found) == [-1.0, 1.0]
     for solution in found:
+        assert solution.route_class is not None
         (through,) = solution.route_class.passes
         assert through.side is None
         assert np.sign(through.at[0]) == np.sign(crossing(solution.q, 125.0)[0])
@@ -85,9 +87,11 @@ def test_by_shape_all_distinct_ones_are_found_and_named() -> None:
     assert len(found) > 4
     sides: dict[int, set[int | None]] = {}
     for solution in found:
+        assert solution.route_class is not None
         (side,) = gap(solution.q, 150.0, (0.0,)) or (None,)
         sides.setdefault(solution.route_class.number, set()).add(side)
     assert all(len(own) == 1 for own in sides.values())
+    assert found[0].route_class is not None
     assert found[0].route_class.number == 1
 
 

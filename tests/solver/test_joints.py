@@ -217,6 +217,8 @@ def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None
         found = sn.solve(robot, sn.Target(goal[:3, 3], rotation=goal[:3, :3]), scene, time=1.0)
         if found.solved:
             solved += 1
+            assert found.clearance is not None
+            assert found.self_clearance is not None
             assert 0.0 < found.clearance <= clearance_of(robot, found.configuration, centers, 0.06) + 1e-3
             assert 0.0 < found.self_clearance <= least_self_gap(robot, found.configuration) + 1e-2
             assert found.verify().ok
@@ -399,9 +401,11 @@ def test_what_holds_back_has_the_name_of_its_joint_or_link() -> None:
     start = [0.1, 0.0], [[0.1, 0.0, 20.0]] * 3
     blocked = sn.Motion(bronchoscope(), [start, ([0.2, 5.0], start[1])], [shaft])
     assert str(blocked.worst).startswith("step 1, at time 0.25: link 'feed' lacks")
+    assert blocked.worst is not None
     assert blocked.worst.segment == "feed"
     found = blocked.verify()[-1]
     assert found.segment == "feed"
+    assert found.place is not None
     assert found.place.segment == "feed"
     said = sn.plan(bronchoscope(), ([9.0, 0.0], start[1]), start).worst
     assert str(said).startswith("joint 'roll' is 6 beyond its limit")
@@ -416,6 +420,7 @@ def test_targets_of_segments_count_segments() -> None:
         assert found.verify().ok
         for k in (1, 2):
             goal = targets[k - 1].position
+            assert goal is not None
             miss = robot.forward(found.q, found.joints)[k - 4, :3, 3] - goal
             assert np.linalg.norm(miss) <= 1e-4 * robot.mean_length * 1.001
     many = sn.Solver(robot).solve_many([targets] * 2)

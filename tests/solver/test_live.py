@@ -77,6 +77,7 @@ def test_solved_is_free_and_most_are_solved(kind: str) -> None:
     for solution in solved:
         backbone = ROBOT.backbone(solution.q, 200)
         true = min(float(measure(o, backbone).min()) for o in scene.obstacles) - 0.03
+        assert solution.clearance is not None
         assert 0.0 < solution.clearance <= true + 1e-9
         touched += true < 0.05
         if kind not in ("samples", "function"):
@@ -129,6 +130,7 @@ def test_solving_while_the_cloud_changes() -> None:
     # Drawn, not every so many: the same targets come again and again.
     for solution in (solved[i] for i in rng.permutation(len(solved))[:300]):
         own = solution.problem.scene.distance(ROBOT.backbone(solution.q, 50)).min() - 0.03
+        assert solution.clearance is not None
         assert 0.0 < solution.clearance <= own + 1e-9
         now = scene.distance(ROBOT.backbone(solution.q, 50)).min() - 0.03
         stands.append((own < 0.1, now < 0.0))

@@ -85,6 +85,7 @@ def test_the_loaded_body_stays_clear_and_slides_along() -> None:
     for _ in range(12):
         step = solver.step(q, [0.1, 0.1, 0.0], DT)
         assert step.proved
+        assert step.clearance is not None
         assert step.clearance <= sn.check(robot, step.q, [ball]).clearance + 1e-12
         held, q = held | {each.constraint for each in step.active}, step.q
     assert held == {"clearance"}

@@ -36,6 +36,7 @@ def test_the_loaded_body_meets_the_target(kind: str) -> None:
     solution = sn.solve(robot, target)
     assert solution.solved, solution
     assert solution.verify().ok
+    assert solution.shape is not None
     assert solution.shape.tip[:3, 3] == pytest.approx(tip[:3, 3], abs=3e-5)
     assert np.linalg.norm(robot.tip(solution.q)[:3, 3] - tip[:3, 3]) > 0.01, "nothing bends it"
 
@@ -75,6 +76,7 @@ def test_the_loaded_body_is_clear_of_obstacles() -> None:
     assert sn.check(robot, Q, [near]).ok
     solution = sn.solve(robot, sn.Target(shape.tip[:3, 3]), [near], initial=Q)
     assert solution.solved, solution
+    assert solution.clearance is not None
     assert 0.0 < solution.clearance <= solution.verify().clearance
     inside = sn.solve(robot, sn.Target(shape.tip[:3, 3]), [sn.Sphere(shape.tip[:3, 3], 0.02)], time=0.1)
     assert not inside.solved
@@ -112,6 +114,7 @@ def test_limits_of_actuators_are_rows_of_each_correction() -> None:
 def test_what_cannot_be_reached_is_not_solved() -> None:
     far = sn.solve(arm(), sn.Target((0.0, 0.0, 2.0)), time=0.2)
     assert not far.solved
+    assert far.worst is not None
     assert far.worst.constraint == "position"
     assert far.binding == ()
 
@@ -128,6 +131,7 @@ def test_tensions_under_load_are_within_their_limits() -> None:
     target = sn.Target(free.shape(Q).tip[:3, 3])
     found = sn.solve(free, target, initial=Q)
     assert found.solved
+    assert found.tensions is not None
     most = max(found.tensions.values())
     alone = max(free.to_actuators(found.q))
     assert most > 0.0
@@ -137,6 +141,7 @@ def test_tensions_under_load_are_within_their_limits() -> None:
     assert not sn.check(less, found.q, None, target).ok
     other = sn.solve(less, target, initial=Q, time=20.0, max_starts=4)
     if other.solved:
+        assert other.tensions is not None
         assert max(other.tensions.values()) <= 0.9 * most * (1.0 + 1e-9)
 
 
@@ -145,10 +150,12 @@ def test_tensions_under_load_are_rows_of_each_correction() -> None:
     free = pulled(1e3)
     target = sn.Target(free.shape(Q).tip[:3, 3])
     found = sn.solve(free, target, initial=Q)
+    assert found.tensions is not None
     most = 0.9 * max(found.tensions.values())
     held = sn.solve(pulled(most), target, initial=Q, time=20.0, max_starts=1)
     assert held.solved, held
     assert held.verify().ok
+    assert held.tensions is not None
     assert 0.9 * most < max(held.tensions.values()) <= most * (1.0 + 1e-9)
 
 

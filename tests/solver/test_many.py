@@ -122,6 +122,7 @@ def test_arrays_say_what_each_solution_says(some: Solutions) -> None:
     assert not np.isnan(some.clearance[some.solved]).any()
     assert np.isnan(some.position_error[3])
     assert np.isnan(some.angle_error[25])
+    assert some.actuators is not None
     for name, values in some.actuators.items():
         np.testing.assert_allclose(values, [(each.actuators or {})[name] for each in some], atol=1e-12)
     assert sn.Solver(ARM).solve_many(positions=[[0, 0, 3.9]]).actuators is None

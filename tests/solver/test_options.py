@@ -196,6 +196,7 @@ def test_every_method_ends_when_there_is_no_time(method: MethodName) -> None:
         assert found.iterations * len(FIVE) * SEGMENT_WORK <= 2 * STRIDE
         assert found.solved or found.status in (sn.Status.TIME_LIMIT, sn.Status.UNPROVED)
         assert np.isfinite(found.q).all()
+        assert found.position_error is not None
         assert np.isfinite(found.position_error)
         assert found.solved == found.verify().ok or found.status is sn.Status.UNPROVED
 

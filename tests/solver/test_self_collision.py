@@ -48,6 +48,7 @@ def test_reachable_targets_are_solved_without_touching(robot: sn.Robot) -> None:
         solution = solver.solve(target_of(robot, hidden(robot, rng)))
         assert solution.solved, str(solution)
         assert solution.verify().ok
+        assert solution.self_clearance is not None
         assert 0.0 < solution.self_clearance <= gap_of(robot, solution.q) + 1e-9
 
 
@@ -78,6 +79,7 @@ def test_preferred_shapes_do_not_touch_either(prefer: sn.Preferences) -> None:
         solution = solver.solve(target_of(THICK, q), initial=curled(rng, THICK.radii, 2.0))
         assert solution.solved
         assert solution.verify().ok
+        assert solution.self_clearance is not None
         assert solution.self_clearance <= gap_of(THICK, solution.q) + 1e-9
 
 

@@ -80,6 +80,7 @@ def test_solved_means_clear_of_every_obstacle(seed: int) -> None:
         if solution.solved:
             solved += 1
             assert check.ok
+            assert solution.clearance is not None
             assert 0.0 <= solution.clearance <= check.clearance + 1e-9
         else:
             assert not check.ok or solution.status in (sn.Status.UNPROVED, sn.Status.BASE_BLOCKED)

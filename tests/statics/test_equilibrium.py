@@ -46,8 +46,10 @@ def energy(found: sn.answer.Equilibrium, states: Floats, rests: Floats, tensions
     """Energy of a body of arcs, forces and weights, from their definitions."""
     robot, arcs = found.robot, len(states) // len(found.robot)
     frames, total, gravity = frames_of(states, robot.base), 0.0, robot.gravity
+    assert gravity is not None
     for k, (x, y, twist, length) in enumerate(states):
         segment, own = robot.segments[k // arcs], found.q[k // arcs, 2] / arcs
+        assert segment.stiffness is not None
         turn = np.exp(-0.5j * twist) * (x + 1j * y)
         total += 0.5 * segment.stiffness.bend / own * abs(turn - complex(*rests[k // arcs]) / arcs) ** 2
         total += 0.5 * (segment.stiffness.twist * twist**2 + segment.stiffness.stretch * (length - own) ** 2) / own
@@ -100,6 +102,7 @@ def test_energy_of_straight_tendons_is_stationary() -> None:
 
 def test_the_base_holds_all_loads() -> None:
     robot = arm(payload=sn.Payload(0.2))
+    assert robot.gravity is not None
     moment = np.array([0.1, -0.3, 0.2])
     found = robot.shape(SHAPE, sn.Force((0.4, -0.6, 0.3), moment, segment=1))
     weights = 0.3 * SHAPE[:, 2].sum() + 0.2
@@ -116,6 +119,7 @@ def test_a_robot_that_stands_elsewhere_in_a_world_that_is_turned_is_shaped_alike
     turn[:3, :3] = expm(np.cross(np.eye(3), [0.5, -1.0, 0.8]))
     turn[:3, 3] = 5.0, -3.0, 2.0
     robot = arm()
+    assert robot.gravity is not None
     here = robot.shape(SHAPE, FORCE)
     there = robot.changed(base=turn, gravity=turn[:3, :3] @ robot.gravity)
     moved = there.shape(SHAPE, FORCE.changed(force=turn[:3, :3] @ FORCE.force))
@@ -125,6 +129,7 @@ def test_a_robot_that_stands_elsewhere_in_a_world_that_is_turned_is_shaped_alike
 
 def test_more_arcs_come_nearer_to_a_cosserat_rod_with_their_square() -> None:
     robot = arm()
+    assert robot.gravity is not None
     load = sn.Force((0.4, -0.6, 0.3), (0.2, 0.1, -0.3))
     curvatures = np.array([[-y / length, x / length, 0.0] for x, y, length in SHAPE])
     loads = np.zeros((2, 6))

@@ -552,7 +552,9 @@ class RouteAttempts:
         if not self._candidates.known:
             self._add_root(0)
         stowed = self._candidates.is_longer_than(routes[0])
-        first, *_ = [self._candidates.add_route(route, finest) for route in routes]
+        first = self._candidates.add_route(routes[0], finest)
+        for other in routes[1:]:
+            self._candidates.add_route(other, finest)
         if not self._question.several:
             self._add_bottleneck(first)
         self._add_grown(first)

@@ -67,6 +67,7 @@ def test_each_group_agrees_with_differences(name: Any) -> None:
     for seed in range(4):
         rng = np.random.default_rng([seed, 2])
         found = draw("free", rng)
+        assert found is not None
         way = {name: random_tangent(found, rng)[name]}
         derivative = found.derivative(name)
         assert derivative.regular
@@ -79,6 +80,7 @@ def test_at_a_limit_one_sided_differences_agree(family: str) -> None:
     for seed in range(20):
         rng = np.random.default_rng([seed, 3])
         found = draw(family, rng)
+        assert found is not None
         derivative, whole = found.derivative(ALL), random_tangent(found, rng)
         assert derivative.active
         assert not derivative.regular
@@ -136,6 +138,7 @@ def test_limits_that_move_push_the_answer() -> None:
     for seed in range(20):
         rng = np.random.default_rng([seed, 8])
         found = draw(str(rng.choice(["limits", "actuators"])), rng)
+        assert found is not None
         whole = random_tangent(found, rng)
         names: tuple[Parameter, ...] = tuple(name for name in ALL if name not in ("initial", "obstacles"))
         way = {name: whole[name] for name in names}
@@ -220,6 +223,7 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
         if found is None:
             continue
         derivative, way = found.derivative(ALL), random_tangent(found, rng)
+        assert derivative.clearance is not None
         change = sum(derivative.clearance[name] @ way[name] for name in ALL)
         if not derivative.regular or not np.isfinite(change):
             continue
@@ -242,11 +246,13 @@ def test_tip_and_actuators_follow() -> None:
     for seed in range(8):
         rng = np.random.default_rng([seed, 6])
         found = draw("free", rng)
+        assert found is not None
         derivative, way = found.derivative(ALL), random_tangent(found, rng)
         h, poses, values = 1e-6, [], []
         for sign in (1.0, -1.0):
             asked = question(found, way, sign * h)
             q = again(found, way, sign * h)
+            assert q is not None
             poses.append(asked.robot.tip(q))
             values.append(asked.robot.to_actuators(q))
         rate = (poses[0] - poses[1]) / (2.0 * h)
@@ -264,6 +270,7 @@ def test_tip_and_actuators_follow() -> None:
 def test_vjp_is_the_transpose_of_jvp() -> None:
     rng = np.random.default_rng(0)
     found = draw("free", np.random.default_rng([3, 1]))
+    assert found is not None
     way, cotangent = random_tangent(found, rng), rng.normal(size=found.q.shape)
     back = found.vjp(cotangent, ALL)
     assert (cotangent * found.jvp(way)).sum() == pytest.approx(sum(float(back[name] @ way[name]) for name in ALL))

@@ -123,6 +123,7 @@ def test_least_energies_have_the_tensions_of_equilibria(kind: str) -> None:
     own = robot.shape(q).tensions if robot.has_external_load else robot.tensions(robot.to_actuators(q), q)
     assert found == pytest.approx(np.nanmax(own), rel=1e-3)
     lines = robot.segments[0].tendons
+    assert lines is not None
     for share, false in ((1.01, False), (0.98, True)):
         held = lines.changed(tension=(0.0, share * found))
         assert (

@@ -78,6 +78,7 @@ def test_the_hidden_shape_is_feasible_and_meshes_are_solids(family: str) -> None
             assert obstacle.defects == ()
     for target in made.targets:
         end = ends[-1 if target.segment is None else target.segment]
+        assert target.position is not None
         np.testing.assert_allclose(end[:3, 3], target.position, atol=1e-9 * robot.mean_length)
         if target.direction is not None:
             np.testing.assert_allclose(end[:3, 2], target.direction, atol=1e-9)

@@ -57,6 +57,7 @@ def dense(robot: sn.Robot, targets: list[sn.Target], q: Floats) -> tuple[Floats,
     for target in targets:
         jacobian = robot.jacobian(q, target.segment)
         end = robot.tip(q) if target.segment is None else robot.forward(q)[target.segment - 1]
+        assert target.position is not None
         matrices.append(jacobian[3:] / unit)
         missing.append((target.position - end[:3, 3]) / unit)
         if target.rotation is not None:

@@ -61,6 +61,7 @@ def test_a_goal_straight_ahead_needs_a_bow() -> None:
     stuck = solve_from_the_arc(target, bow=0.0)
     assert not stuck.solved
     assert largest_bend(stuck) == pytest.approx(0.0, abs=1e-9)
+    assert stuck.worst is not None
     assert stuck.worst.constraint == "length"
     bowed = solve_from_the_arc(target)
     assert bowed.solved
@@ -116,6 +117,7 @@ def test_obstacles_are_kept_away_from_by_the_body_between_its_points() -> None:
     assert felt.solved
     assert felt.verify().ok
     assert blind.status is sn.Status.BLOCKED
+    assert blind.worst is not None
     assert blind.worst.constraint == "clearance"
 
 
@@ -133,6 +135,7 @@ def test_everything_scales_with_the_robot() -> None:
     small_scene = [sn.Sphere((0.02, 0.04, -0.15), 0.025)]
     for target in poses()[:3]:
         large = sn.solve(arm(5, np.pi), target, scene, method="opti_path", tolerance=EXACT)
+        assert target.position is not None
         small = sn.solve(
             sn.Robot.uniform(5, (0.045, 0.07), base=sn.pose(direction=DOWN)),
             sn.Target(0.001 * target.position, direction=target.direction),

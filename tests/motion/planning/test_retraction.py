@@ -97,6 +97,7 @@ def grow(scene: sn.Scene, seed: int = 0, seconds: float = 60.0) -> Chain | None:
 def test_the_path_is_clear_and_the_same_each_time() -> None:
     scene = sn.Scene(bore())
     one, other = grow(scene), grow(scene)
+    assert one is not None
     np.testing.assert_array_equal(np.stack(one)[[0, -1]], [OUTSIDE, INSIDE])
     assert wrong_in(ROBOT, scene, np.stack(one)) == ""
     np.testing.assert_array_equal(one, other)

@@ -162,6 +162,7 @@ def test_the_time_of_a_motion_decides() -> None:
     assert not sn.Motion(robot, knots, [ball], times=[0.0, 5.0]).solved
     assert sn.Motion(robot, knots, [ball], times=[1.2, 5.0]).solved
     near = sn.Motion(robot, knots, [ball], times=[-3.0, 0.5]).clearance
+    assert near is not None
     assert 0.9 * 0.65 <= near <= 0.65
 
 

@@ -73,6 +73,7 @@ def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Targ
     assert solution.status is Status.SOLVED
     assert solution.start == "route"
     assert solution.verify().ok
+    assert solution.route is not None
     assert np.allclose(solution.route[0], 0.0)
     assert np.allclose(solution.route[-1], ROBOT.tip(HIDDEN)[:3, 3])
     assert np.linalg.norm(ROBOT.backbone(solution.q, 9)[:, None] - solution.route, axis=-1).min(axis=1).max() < 0.1

@@ -35,6 +35,7 @@ def test_what_lies_in_a_pipe_is_solved_along_it() -> None:
     assert solution.solved
     assert sn.check(ROBOT, solution.q, PIPE, TARGET).ok
     assert solution.start == "route"
+    assert solution.route is not None
     assert np.allclose(solution.route[0], ROBOT.base[:3, 3])
 
 
@@ -44,4 +45,5 @@ def test_a_target_in_the_pipe_is_reached_along_its_axis() -> None:
     solution = sn.solve(ROBOT, TARGET, scene)
     assert (solution.solved, solution.start) == (True, "route")
     assert sn.check(ROBOT, solution.q, scene, TARGET).ok
+    assert solution.route is not None
     assert scene.distance(solution.route).min() >= 0.8 * RADIUS

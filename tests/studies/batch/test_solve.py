@@ -26,10 +26,12 @@ def solve(targets: Any, out: Path | None = None, **options: Any) -> Batch:
 def test_it_is_a_loop_to_the_last_bit(workers: int, chunk: int) -> None:
     batch = solve({"positions": points(COUNT)}, workers=workers, chunk=chunk)
     expected, rows = loop(COUNT)
+    assert batch.results is not None
     np.testing.assert_array_equal(batch.results["q"][rows], expected.q)
     assert [STATUSES[code] for code in batch.results["status"][rows]] == [str(each) for each in expected.status]
     for name in ("position_error", "clearance", "iterations", "starts"):
         np.testing.assert_array_equal(batch.results[name][rows], getattr(expected, name))
+    assert expected.actuators is not None
     np.testing.assert_allclose(batch.results["actuators"][rows].T, list(expected.actuators.values()), atol=1e-12)
     np.testing.assert_array_equal(batch.results["row"], np.arange(COUNT) + 1)
 
@@ -132,6 +134,7 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     batch = solve(points(10), initial=q)
     rows = [row for row in range(10) if row not in BAD]
     expected = sn.Solver(ROBOT, [BALL], **OPTIONS).solve_many(positions=points(10)[rows], initial=q)
+    assert batch.results is not None
     np.testing.assert_array_equal(batch.results["q"][rows], expected.q)
 
 

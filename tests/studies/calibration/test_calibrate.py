@@ -197,6 +197,7 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
     assert (off <= found.bound()).mean() >= 0.9
     assert found.bound(0.95, "rows") <= found.bound(0.95)
     own = found.robot.uncertainty
+    assert own is not None
     assert isinstance(own.bound, float)
     assert own.bound == pytest.approx(found.bound())
     q = found.robot.from_actuators(values[0])
@@ -239,6 +240,8 @@ def test_outliers_and_rows_that_stall_are_named() -> None:
     assert found.notes[-1].startswith("rows that are off by more than 8 times the median")
     tip = whole.predict(values[3])[:3, 3]
     solution, unsure = sn.solve(whole.robot, sn.Target(tip), [sn.Sphere(tip + 60.0, 5)]), whole.robot.uncertainty
+    assert unsure is not None
+    assert solution.clearance is not None
     assert whole.confidence(solution) == whole.confidence(solution.clearance + float(np.min(unsure.bound)))
     refused("error", lambda: found.confidence(-1.0), "at least 0")
 

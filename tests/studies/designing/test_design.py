@@ -40,6 +40,7 @@ def run(**changes: Any) -> Design:
 def test_the_best_robot_does_all_tasks_and_is_shorter_than_the_template() -> None:
     found = run()
     assert found.solved
+    assert found.best is not None
     assert found.best.objectives["length"] < 300.0
     assert sn.studies.assess(found.robot, TASKS, [BALL]).solved
     assert found.best.values["segments.length"] * found.best.values["segments.count"] == pytest.approx(
@@ -61,6 +62,7 @@ def most_of(minimise: str, robot: sn.Robot, answers: Floats) -> float:
     shapes = np.concatenate([answers, straight(robot.segments)[None]])
     if minimise == "travel":
         return float(np.ptp(robot.to_actuators(shapes), axis=0).max())
+    assert robot.drive.elastic is not None
     return float(np.abs(robot.drive.elastic.balance(shapes).tensions).max())
 
 
@@ -73,6 +75,7 @@ def test_derivatives_lead_fields_and_answers_to_a_better_robot(
     varied, least = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}, []
     for robots in (80, 128):
         best = sn.studies.design(template, TASKS, scene, vary=varied, minimise=minimise, robots=robots, workers=1).best
+        assert best is not None
         for name, q in best.answers.items():
             assert verify(sn.Problem(best.robot, TASKS[name], scene), q).ok
         answers = np.array([*best.answers.values()])
@@ -141,10 +144,12 @@ def test_what_no_robot_can_do_is_said_with_the_task_and_the_reason() -> None:
 def test_fields_are_ranges_lists_and_elements() -> None:
     space = Space(TEMPLATE, {"base.position[2]": (-10.0, 10.0), "segments[1].length": {"values": [80.0, 90.0]}})
     robot = space.robot((90.0,), np.array([0.75]))
+    assert robot is not None
     assert robot.base[2, 3] == 5.0
     assert robot.segments[1].length == (90.0, 90.0)
     assert Space(TEMPLATE, {"segments.length": {"range": [50, 150]}}).shares_of(TEMPLATE) is not None
     widest = space.widest((80.0,))
+    assert widest is not None
     assert widest[1] == 10.0
 
 

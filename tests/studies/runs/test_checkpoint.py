@@ -43,6 +43,7 @@ def test_a_chunk_is_there_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytes
     checkpoint = begun(tmp_path)
     checkpoint.write(0, CHUNK)
     checkpoint.write(1, CHUNK)
+    assert checkpoint.folder is not None
     file = checkpoint.folder / "chunk-0000000.npz"
     file.write_bytes(file.read_bytes()[:100])
 

@@ -131,6 +131,7 @@ def test_the_page_tells_what_holds_of_the_loaded_body() -> None:
     assert judged.position_error == pytest.approx(0.0, abs=1e-9)
     assert judged.angle_error == pytest.approx(0.0, abs=1e-7)
     near = find_nearest(HANGING, sn.Scene([NEAR_BALL]).snapshot(), Q)
+    assert near is not None
     least = (np.linalg.norm(shape.backbone(16) - [0.35, 0.0, -0.2], axis=-1)).min() - 0.05 - 0.012
     assert near.distance == pytest.approx(least, abs=1e-4)
     page = PageModel(sn.Job(HANGING, sn.Target(direction=(1, 0, 0)), start=Q))

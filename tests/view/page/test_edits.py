@@ -57,6 +57,7 @@ def test_what_is_from_a_file_stays_from_there(tmp_path: Path) -> None:
     np.save(tmp_path / "scan.npy", RNG.normal(size=(20, 3)))
     cloud = sn.PointCloud.load(tmp_path / "scan.npy", 0.1, scale=2.0, position=(1, 0, 0))
     moved = move_obstacle(cloud, random_pose(RNG))
+    assert moved.source is not None
     again = sn.PointCloud.load(moved.source.file, **moved.source.arguments)
     assert again.equals(moved)
 
@@ -82,6 +83,8 @@ def test_a_new_obstacle_is_of_its_kind_and_its_sizes_can_be_set(kind: str) -> No
         other = resize_obstacle(obstacle, **{label.replace(" ", "_"): 2.0 * value})
         assert sizes_of(other) == pytest.approx(sizes_of(obstacle) | {label: 2.0 * value})
         before, after = pose_of(obstacle), pose_of(other)
+        assert before is not None
+        assert after is not None
         np.testing.assert_allclose(after, before, atol=1e-12)
 
 
@@ -93,6 +96,7 @@ def test_the_line_to_the_nearest_place_ends_on_both_surfaces() -> None:
     for seed in range(20):
         q = np.random.default_rng(seed).uniform((-1, -1, 0.8), (1, 1, 1.2), (3, 3))
         near = find_nearest(ROBOT, SCENE.snapshot(), q)
+        assert near is not None
         assert abs(float(SCENE.distance(near.surface))) < 1e-6
         if near.distance > 0.0:  # deep within a box, its other side may be nearer to the surface of the body
             assert abs(float(SCENE.distance(near.body)) - near.distance) < 1e-6
@@ -105,6 +109,8 @@ def test_there_is_no_nearest_place_without_obstacles_or_within_the_mount() -> No
     assert find_nearest(ROBOT, sn.Scene().snapshot(), q) is None
     free = find_nearest(ROBOT, SCENE.snapshot(), q)
     mounted = find_nearest(ROBOT.changed(mount=2.5), SCENE.snapshot(), q)
+    assert free is not None
+    assert mounted is not None
     assert mounted.distance > free.distance
 
 

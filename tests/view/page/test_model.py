@@ -40,6 +40,7 @@ def test_a_target_is_moved_and_turned_as_far_as_it_asks() -> None:
     assert page.targets[0].equals(sn.Target((0.5, 0.5, 2)))
     page.ask(0, "rotation")
     rotation = page.targets[0].rotation
+    assert rotation is not None
     np.testing.assert_allclose(rotation, ROBOT.tip(page.q)[:3, :3], atol=1e-12)
     refused("asked", lambda: page.ask(0, "more"))
 
@@ -49,7 +50,7 @@ def test_answers_to_questions_of_before_are_dropped() -> None:
     old = page.question()
     page.place_target(0, np.array([0.9, 0.1, 2.0]))
     assert not page.accept(old.number, solvers.solve(old))
-    assert not page.answer
+    assert page.answer is None
     new = page.question()
     solution = solvers.solve(new, QUICK_SECONDS)
     assert page.accept(new.number, solution)
@@ -71,6 +72,7 @@ def test_solvers_see_obstacles_that_moved_came_and_went() -> None:
 
     assert answered().status == "solved"
     page.grasp(0)
+    assert page.grip is not None
     at_target = page.grip.copy()
     at_target[:3, 3] = (1, 0, 2)
     page.carry(at_target)
@@ -173,6 +175,7 @@ def test_segments_are_added_and_taken_away_with_all_that_counts_them() -> None:
     page.add_segment(0)
     assert page.robot.radii == (0.08, 0.08, 0.05, 0.05)
     assert page.targets[1].segment == 3
+    assert page.job.start is not None
     assert page.job.start[:, 0].tolist() == [0.1, 0.1, 0.2, 0.3]
     page.add_segment(None)
     assert len(page.robot) == len(page.q) == 5
@@ -210,12 +213,14 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     page.set_method("newton", "newton", 3, 0.5)
     page.accept(page.number, solvers.solve(page.question()))
     second = page.question_beside()
+    assert second is not None
     np.testing.assert_array_equal(second.initial, straight(ROBOT.segments))
     solution = solvers.solve(second)
     assert page.accept_beside(second.number, solution)
     page.place_target(0, np.array([0.9, 0.0, 2.0]))
     assert page.beside is None
     again = page.question_beside()
+    assert again is not None
     np.testing.assert_array_equal(again.initial, solution.q)
     assert not page.accept_beside(second.number, solution)
 

@@ -224,6 +224,7 @@ def test_a_target_out_of_reach_stays_in_view_and_one_figure_says_how_far(page: P
     until(lambda: sees(camera_of(page), np.array([1.0, 60.0, 2.0])), "the target in view")
     settled(page)
     answer = page.model.answer
+    assert answer is not None
     figure = f"{answer.position_error:.3g}"
     until(lambda: page.scenery.words == f"{figure} away", "how far")
     until(lambda: figure in fresh.locator(".sinuous table").first.inner_text(), "its row")
@@ -363,7 +364,10 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     fresh.get_by_role("tab", name="Motion").click()
     fresh.get_by_role("button", name="Plan a motion").click()
     until(lambda: played(page), "the motion played to its end")
+    assert page.model.motion is not None
     assert page.model.motion.solved
+    assert GOAL.start is not None
+    assert GOAL.goal is not None
     np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
     np.testing.assert_allclose(page.model.shown, GOAL.goal)
     fresh.locator(".badge", has_text="proved clear here").wait_for()
@@ -378,6 +382,7 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     untimed = page.model.motion
     fresh.get_by_role("button", name="As fast as rates allow").click()
     until(lambda: page.model.motion is not untimed and not page.playing, "the timed motion played to its end")
+    assert page.model.motion is not None
     np.testing.assert_allclose(page.model.motion.duration, untimed.timed(limits).duration)
     fresh.get_by_role("button", name="Undo").click()  # times, then rates, then the plan
     until(lambda: page.model.motion is untimed, "the motion before")
@@ -398,10 +403,12 @@ def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> N
     until(lambda: page.model.time == 3.0 and not page.playing, "the obstacles played to their end")
     fresh.locator(".badge", has_text="solved").wait_for()
     answer = page.model.answer
+    assert answer is not None
     assert answer.problem.scene.equals(page.model.scene.at(3.0))
     fresh.get_by_role("button", name="Plan a motion").click()
     until(lambda: played(page), "the motion played to its end")
     motion = page.model.motion
+    assert motion is not None
     assert motion.solved
     assert page.model.there.equals(page.model.scene.at(float(motion.times[-1])))
     fresh.locator(".badge", has_text="proved clear here").wait_for()

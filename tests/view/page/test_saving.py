@@ -42,6 +42,7 @@ def test_obstacles_that_were_moved_are_saved_where_they_are() -> None:
     page = PageModel(sn.Job(sn.Robot.uniform(3, (0.8, 1.2)), sn.Target((1, 0, 2)), scene))
     for index in range(3):
         page.grasp(index)
+        assert page.grip is not None
         for shift in ((0.1, 0.2, 0.3), (0.1, 0.1, 0.1)):
             turn = sn.pose(shift, rotation=(1, 2, 3, 4) if index < 2 else None)
             page.carry(turn @ page.grip)

@@ -55,8 +55,10 @@ def test_clearance_over_a_motion_is_never_less_than_was_proved(track: sn.Motion)
     axes = diagram(track, "clearance")
     least = np.asarray(axes.get_lines()[0].get_ydata())
     assert len(least) >= len(track.q)
+    assert track.clearance is not None
     assert least.min() >= track.clearance
     legend = axes.get_legend()
+    assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ["proved all the way"]
 
 

@@ -6,12 +6,11 @@ are clear, with tips at least a tenth of the length apart. The body has a radius
 itself. Planners of OMPL (Sucan, Moll & Kavraki 2012) plan some pairs, over the same proofs of states and motions.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from importlib.util import find_spec
 from statistics import median
 from time import perf_counter
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,13 +119,16 @@ class Task(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """What came of a plan: number, seconds of the call, status, what a judge found wrong (or ""), and of others."""
+    """What came of a plan: number, seconds of the call, status, what a judge found wrong (or ""), and of others.
+
+    Of these: names, seconds, and whether they found a way.
+    """
 
     number: int
     seconds: float
     status: str
     wrong: str
-    others: Mapping[str, tuple[float, bool]] = MappingProxyType({})
+    others: tuple[tuple[str, float, bool], ...] = ()
 
     def good(self, limit: float) -> bool:
         """Whether it is called solved within the limit (s), and no judge objects."""
@@ -177,7 +179,7 @@ def examine(task: Task) -> Trial:
     motion = planner.plan(pair.start, goal)
     seconds = perf_counter() - began
     wrong = wrong_in(pair.robot, pair.scene, motion.q) if motion.solved else ""
-    others = {name: plan_by(name, pair, PATIENCE) for name in OTHER_PLANNERS if task.compared}
+    others = tuple((name, *plan_by(name, pair, PATIENCE)) for name in OTHER_PLANNERS if task.compared)
     return Trial(task.number, seconds, str(motion.status), wrong, others)
 
 
@@ -216,9 +218,9 @@ def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iter
     yield from counted(PLANNED, FALSE, what, trials, limit, share)
     yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None)
     for name in OTHER_PLANNERS:
-        others = [trial.others[name] for trial in trials if name in trial.others]
+        others = [other for trial in trials for other in trial.others if other[0] == name]
         if others:
-            found, spent = sum(solved for _, solved in others), Times.of([seconds for seconds, _ in others])
+            found, spent = sum(solved for *_, solved in others), Times.of([seconds for _, seconds, _ in others])
             cut = f"the first {len(others)} of {len(trials)} pairs, {PATIENCE:g} s for each"
             told = f"{name} of OMPL, {what}"
             yield Line(OTHERS, told, 100.0 * found / len(others), "%", None, spent, (found, len(others)), cut)

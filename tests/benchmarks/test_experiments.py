@@ -1,5 +1,6 @@
 """Every experiment runs at its smallest size, all claims hold, and a solver that lies, or is late, is found out."""
 
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -158,6 +159,7 @@ def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_wrong_and_late_plans_count_as_such() -> None:
     right = p5.Trial(0, 1e-4, "solved", "")
+    assert pickle.loads(pickle.dumps(right)) == right  # from one process to another
     made = [right, right._replace(wrong="overlap"), right._replace(seconds=0.2), right._replace(status="time_limit")]
     lines = {line.section: line for line in p5.lines_of("here", made, 0.1, 99.5)}
     assert (lines[p5.PLANNED].reached, lines[p5.FALSE].reached, lines[p5.FALSE].held) == (25.0, 1, False)

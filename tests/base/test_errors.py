@@ -44,9 +44,24 @@ def test_every_noun_and_verb_refuses_what_it_does_not_have(name: str, public: An
         assert isinstance(error, TypeError)  # as Python says it of other functions
 
 
+@with_each(("name", "public"), nouns_and_verbs)
+def test_every_noun_and_verb_says_what_it_lacks(name: str, public: Any) -> None:
+    parameters = inspect.signature(public).parameters.values()
+    named = [each for each in parameters if each.kind not in (each.VAR_POSITIONAL, each.VAR_KEYWORD)]
+    needed = [each.name for each in named if each.default is each.empty]
+    if needed:
+        assert isinstance(refused(needed[0], public, "missing; expected "), TypeError)
+
+
 @pytest.mark.parametrize(
     ("call", "key", "words"),
     [
+        (
+            lambda: CALLED.Mesh.load("part.stl"),
+            "scale",
+            "missing; expected units of the scene in one of the file: 0.001",
+        ),
+        (lambda: CALLED.Sphere((0, 0, 0)), "radius", "missing; expected a number"),
         (lambda: CALLED.Robot.uniform(3, 50, max_bnd=2), "max_bnd", "did you mean 'max_bend'?"),
         (lambda: CALLED.Segment(50, max_curve=1), "max_curve", "did you mean 'max_curvature'?"),
         (lambda: CALLED.Tendons(3, 4, ratio=2), "ratio", "did you mean gain"),

@@ -34,7 +34,7 @@ ANY = {
     "--time nan": "--time: expected a number of at least 0, got nan",
     "--time -1": "--time: expected a number of at least 0, got -1",
     "--time long": "--time: expected a number, got 'long'",
-    "--time": "sinuous: ",
+    "--time": "--time: missing; expected a value\n",
     "--seed -1": "--seed: expected a whole number from 0",
     "--seed 1.5": "--seed: expected a whole number, got '1.5'",
     "--fast": "--fast: unknown option; ",
@@ -78,8 +78,13 @@ def each(begin: str, ends: dict[str, str]) -> dict[str, str]:
 
 
 CALLS = {
-    "solve": "sinuous: Missing argument",
-    "slove a.yaml": "sinuous: No such command 'slove'.",
+    "solve": "FILE: missing; expected Problem files, YAML or JSON.",
+    "new tendon": "FILE: missing; expected The file to write.",
+    "batch easy.yaml --targets targets.csv": "--out: missing; expected Table of results to write: .csv",
+    "slove a.yaml": "slove: unknown command; did you mean 'solve'?\n",
+    "go a.yaml": "go: unknown command; expected one of solve, track, ",
+    "view easy.yaml a b": "view: more than it takes; expected FILE, got 'a b'\n",
+    "solve easy.yaml --json=3": "--json: takes no value; expected --json alone\n",
     **each("solve easy.yaml", ANY),
     **each("track easy.yaml", ANY),
     **each("solve", SOLVE),

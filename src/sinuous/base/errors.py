@@ -210,8 +210,8 @@ class InputError(ValueError):
         return type(self), (self.key, self.problem, self.value, self.expected, self.file)
 
 
-class UnknownOptionError(InputError, TypeError):
-    """An argument that a function does not have: for Python a `TypeError`, and said in the same line as in a file."""
+class WrongArgumentsError(InputError, TypeError):
+    """Arguments that a function does not have, or lacks: for Python a `TypeError`, and said as in a file."""
 
 
 class SuspiciousInput(UserWarning):
@@ -287,9 +287,21 @@ MEANT = {
     "ball": "'sphere'",
     "plane": "'half_space'",
     "goal": "'target'",
+    "nx": "dx,dy,dz, the direction of the tangent",
+    "rx": "qw,qx,qy,qz, a quaternion",
+    "roll": "qw,qx,qy,qz, a quaternion",
 }
 """What is meant by names that are often guessed, and are unlike; said where one of these words is a name that is known.
 """
+
+
+WANTED = {
+    "scale": "units of the scene in one of the file: 0.001 for a file in mm and a robot in m",
+    "length": "a number or [low, high]",
+    "radius": "a number",
+    **dict.fromkeys(("center", "start", "end", "point", "normal", "size"), "3 finite numbers"),
+}
+"""What an argument, or a key of a file, that is missing would say."""
 
 
 def refuse_unknown(given: Mapping[str, Any], names: Iterable[str]) -> None:
@@ -297,13 +309,13 @@ def refuse_unknown(given: Mapping[str, Any], names: Iterable[str]) -> None:
 
     Raises
     ------
-    UnknownOptionError
+    WrongArgumentsError
         Which is an `InputError`, and a `TypeError`.
     """
     known = tuple(names)
     for key, value in given.items():
         if key not in known:
-            raise UnknownOptionError(key, "unknown option", value, suggested(key, known)) from None
+            raise WrongArgumentsError(key, "unknown option", value, suggested(key, known)) from None
 
 
 def explain_keywords(public: Any) -> Any:
@@ -342,9 +354,19 @@ def _explaining(function: Callable[..., Any]) -> Callable[..., Any]:
             return function(*args, **options)
         except (TypeError, InputError):
             refuse_unknown(options, _names(function, options))
+            _refuse_missing(function, args, options)
             raise
 
     return call
+
+
+def _refuse_missing(function: Callable[..., Any], args: Sequence[Any], options: Mapping[str, Any]) -> None:
+    """Refuse arguments of which one that has no default is missing."""
+    parameters = inspect.signature(function).parameters.values()
+    left = [each for each in parameters if each.kind is not each.VAR_POSITIONAL][len(args) :]
+    for each in left:
+        if each.default is each.empty and each.kind is not each.VAR_KEYWORD and each.name not in options:
+            raise WrongArgumentsError(each.name, "", None, WANTED.get(each.name, "a value")) from None
 
 
 def _names(function: Callable[..., Any], given: Iterable[str]) -> list[str]:

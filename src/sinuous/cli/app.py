@@ -3,6 +3,7 @@
 Nothing heavy is imported before a command runs, so that `sinuous --help` answers at once.
 """
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -348,17 +349,37 @@ WANTED = {"float": "a number", "int": "a whole number"}
 
 def _refusal(name: str, error: Any) -> str:
     """What is wrong with what was typed, in the line that refuses input elsewhere."""
-    option = getattr(error, "option_name", None)
+    option, param = getattr(error, "option_name", None), getattr(error, "param", None)
     causes: list[dict[str, Any]] = getattr(error.__cause__, "errors", list)()
-    if option is not None and error.ctx is not None:
-        typed = [name for each in error.ctx.command.get_params(error.ctx) for name in each.opts + each.secondary_opts]
-        known = [name for name in typed if name.startswith("-")]
-        return str(InputError(option, "unknown option", None, suggested(option, known)))
+    context, message = error.ctx, error.format_message()
+    told = re.search(r"^No such command '(?P<command>.+?)'|extra arguments?(\(s\))? \((?P<more>.+)\)$", message)
+    refused = None
     if causes:
         first = causes[0]
         wanted = WANTED.get(first["type"].partition("_")[0], first["msg"].removeprefix("Input should be "))
-        return str(InputError(error.param.opts[0], "", first["input"], wanted))
-    return f"{name}: {error.format_message()}"
+        refused = InputError(_label(param), "", first["input"], wanted)
+    elif param is not None and message.startswith("Missing"):
+        refused = InputError(_label(param), "", None, param.help or "a value")
+    elif option is not None and context is not None:
+        typed = [name for each in context.command.get_params(context) for name in each.opts + each.secondary_opts]
+        known = [name for name in typed if name.startswith("-")]
+        refused = InputError(option, "unknown option", None, suggested(option, known))
+    elif option is not None:
+        lacks = "requires" in message
+        refused = InputError(option, "" if lacks else "takes no value", None, "a value" if lacks else f"{option} alone")
+    elif told is not None and told["command"]:
+        known = context.command.list_commands(context)
+        refused = InputError(told["command"], "unknown command", None, suggested(told["command"], known))
+    elif told is not None:
+        labels = [label for each in context.command.get_params(context) if not (label := _label(each)).startswith("-")]
+        refused = InputError(context.info_name, "more than it takes", told["more"], " ".join(labels) or "options alone")
+    return f"{name}: {message}" if refused is None else str(refused)
+
+
+def _label(param: Any) -> str:
+    """What help calls an option or argument."""
+    name: str = param.opts[0]
+    return name if name.startswith("-") else param.metavar or name.upper()
 
 
 def _say(message: str) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from sinuous.base import checks
 from sinuous.base.checks import MOST_SEGMENTS, Floats, few, segment_number
-from sinuous.base.errors import InputError, suggested
+from sinuous.base.errors import WANTED, InputError, suggested
 from sinuous.base.text_tables import axis_of, read_table
 from sinuous.files.documents import join, parse_json, read_part, read_text
 from sinuous.files.urdf_joints import read_joints
@@ -37,14 +37,6 @@ from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 Noun = TypeVar("Noun")
-
-WANTED = {
-    "scale": "units of the scene in one of the file: 0.001 for a file in mm and a robot in m",
-    "length": "a number or [low, high]",
-    "radius": "a number",
-    **dict.fromkeys(("center", "start", "end", "point", "normal", "size"), "3 finite numbers"),
-}
-"""What a key that is missing would say."""
 
 FROM_FILES: dict[str, Callable[..., Obstacle]] = {"mesh": Mesh.load, "points": PointCloud.load, "grid": Grid.load}
 """Obstacles of which the problem file says in which file they are."""

@@ -60,11 +60,16 @@ def test_arrays_of_any_order_packed_or_not(rows: Any, packed: bool, tmp_path: Pa
             np.testing.assert_array_equal(source.read(first, last)[key], rows[first:last].astype(np.float32))
 
 
-def test_other_columns_are_left_alone_and_order_does_not_matter(tmp_path: Path) -> None:
+def test_other_columns_are_not_read_which_is_said_and_order_does_not_matter(tmp_path: Path) -> None:
     table = tmp_path / "in.csv"
     table.write_text("id, z ,name,x,y\n7,3,a,1,2\n\n8,6,b,4,5\n", encoding="utf-8")
-    with closing(open_source(table)) as source:
+    with pytest.warns(sn.SuspiciousInput, match=r"^targets: columns that are not read: id, name; known are x, y, z, "):
+        source = open_source(table)
+    with closing(source):
         np.testing.assert_array_equal(source.read(0, 2)["positions"], [[1, 2, 3], [4, 5, 6]])
+    np.savez(tmp_path / "in.npz", positions=ROWS[:, :3], direction=ROWS[:, :3])
+    with pytest.warns(sn.SuspiciousInput, match=r"^targets: arrays that are not read: direction; known are positions"):
+        open_source(tmp_path / "in.npz").close()
 
 
 @pytest.mark.parametrize("cell", ["", "abc", "nan", "inf", "0x10", "1_000"])
@@ -91,6 +96,8 @@ def test_directions_of_no_length_and_matrices_that_are_no_rotations_are_invalid(
         ("x,y", "there is no z"),
         ("x,y,z,qw,qx,qy", "there is no qz"),
         ("x,y,z,x", "x is there twice"),
+        ("x,y,z,nx,ny,nz", "unknown column 'nx'; did you mean dx,dy,dz, the direction of the tangent"),
+        ("x,y,z,roll,pitch,yaw", "unknown column 'roll'; did you mean qw,qx,qy,qz"),
         ("dx,dy,dz,qw,qx,qy,qz", "expected columns"),
         ("", "expected columns"),
     ],

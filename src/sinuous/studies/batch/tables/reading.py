@@ -17,8 +17,8 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats, readable
-from sinuous.base.errors import InputError, refuse_unknown
+from sinuous.base.checks import Floats, few, readable
+from sinuous.base.errors import MEANT, InputError, refuse_unknown, suggested, warn_of
 from sinuous.base.text_tables import SAMPLED, axis_of, begins_with_count, filled_lines, tell_format
 from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS
@@ -188,21 +188,26 @@ class NpzRows(Source):
 
 
 class NpzSource(NpzRows):
-    """An NPZ file with arrays by the names of `GoalArrays`; what else is in it is left alone."""
+    """An NPZ file with arrays by the names of `GoalArrays`; that others are not read is said."""
 
     def __init__(self, file: Path) -> None:
-        super().__init__(file, lambda names: _asked("arrays", names))
+        def choose(names: list[str]) -> list[str]:
+            found = _asked("arrays", names)
+            _tell_unread("array", names, KEYS)
+            return found
+
+        super().__init__(file, choose)
         for key, member in self._members.items():
             _check_shape(key, member.shape)
 
 
 def _groups_of(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """Find what a table asks by the names of its columns; others are left alone.
+    """Find what a table asks by the names of its columns; that others are not read is said.
 
     Raises
     ------
     InputError
-        When a column is missing, or a direction stands beside a quaternion.
+        When a column is missing, has the name of one that is meant, or a direction stands beside a quaternion.
     """
     found = {key: columns for key, columns in GROUPS.items() if set(columns) & set(names)}
     for columns in found.values():
@@ -214,7 +219,18 @@ def _groups_of(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     twice = next((name for columns in found.values() for name in columns if list(names).count(name) > 1), None)
     if twice is not None:
         raise InputError("columns", f"{twice} is there twice", ",".join(names), COLUMNS)
+    _tell_unread("column", names, [name for columns in GROUPS.values() for name in columns])
     return found
+
+
+def _tell_unread(noun: str, names: Iterable[str], known: Sequence[str]) -> None:
+    """Warn of what a table holds besides; names that mean others than they are, are refused."""
+    unread = [name for name in names if name not in known]
+    for name in unread:
+        if name in MEANT:
+            raise InputError(f"{noun}s", f"unknown {noun} {name!r}", name, suggested(name, known))
+    if unread:
+        warn_of([f"targets: {noun}s that are not read: {few(unread)}; known are {', '.join(known)}"])
 
 
 def parquet(file: Path) -> Any:
@@ -229,7 +245,7 @@ def parquet(file: Path) -> Any:
 
 
 class ParquetSource(Source):
-    """A Parquet file with the columns of `GROUPS`; others are left alone."""
+    """A Parquet file with the columns of `GROUPS`; that others are not read is said."""
 
     def __init__(self, file: Path) -> None:
         self._file = file

@@ -28,7 +28,7 @@ from benchmarks.judges.kinematics import body_points, segment_ends
 from benchmarks.judges.self_collision import look
 from benchmarks.motion.p5 import Trial, counted
 from benchmarks.places.cells import WALL as WALLS
-from benchmarks.places.cells import Cell, cell_around, common_wall, in_frame
+from benchmarks.places.cells import Cell, cells_back_to_back, common_wall, in_frame
 from benchmarks.places.families import one_mesh
 from benchmarks.places.parts import WALL, curve_of, draw_shape, longest, open_tube, robot_of, solid
 from benchmarks.places.tubes import RINGS
@@ -293,9 +293,7 @@ def _cells(robot: sn.Robot, ways: Ways, rng: Generator) -> tuple[Cell, Cell] | N
         return None
     frame[:3, 3] += frame[:3, :2] @ (0.5 * (low + high))
     before, after = points[local[:, 2] <= 0.0], points[local[:, 2] >= 0.0]
-    flipped = frame @ np.diag([1.0, -1.0, -1.0, 1.0])
-    first, other = (cell_around(side, at, half, unit, rng) for side, at in ((before, frame), (after, flipped)))
-    return None if first is None or other is None else (first, other)
+    return cells_back_to_back(before, after, frame, half, unit, rng)
 
 
 def _ahead(robot: sn.Robot, knots: Floats, rng: Generator) -> Floats:

@@ -12,8 +12,10 @@ from benchmarks.places.parts import (
     WALL,
     Curve,
     Surface,
+    about_z,
     arc,
     around,
+    box_between,
     curve_of,
     draw_shape,
     hollow,
@@ -22,7 +24,6 @@ from benchmarks.places.parts import (
     loft,
     offshoots,
     plate,
-    robot_of,
     solid,
 )
 from benchmarks.places.place import Sketch
@@ -37,9 +38,8 @@ All four in radii of the body.
 """
 
 
-def spheres(count: int, seed: int, rng: Generator) -> Sketch:
+def spheres(count: int, robot: sn.Robot, rng: Generator) -> Sketch:
     """Put `count` balls beside the hidden shape, each beside a place of its own."""
-    robot = robot_of(seed, rng)
     radius = min(robot.radii)
     q = draw_shape(robot, 3.0 * radius, rng)
     curve = curve_of(robot, q, 20)
@@ -69,9 +69,8 @@ RINGS = 9
 """Rings of a mesh along one segment."""
 
 
-def pipe(width: float, seed: int, rng: Generator) -> Sketch:
+def pipe(width: float, robot: sn.Robot, rng: Generator) -> Sketch:
     """Wall in the hidden shape with a pipe of `width` times the radius of the body."""
-    robot = robot_of(seed, rng)
     radius = min(robot.radii)
     outside = (width + WALL) * radius
     q = draw_shape(robot, 2.1 * outside, rng)
@@ -92,9 +91,8 @@ All lengths in radii of the body.
 """
 
 
-def plates(seed: int, rng: Generator) -> Sketch | None:
+def plates(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put two to six plates across the hidden shape, evenly along it but for a little."""
-    robot = robot_of(seed, rng)
     radius = min(robot.radii)
     q = draw_shape(robot, 4.0 * radius, rng, AHEAD)
     curve = curve_of(robot, q, 40)
@@ -134,9 +132,8 @@ STEPS = 6
 """Pieces of a blade from root to end."""
 
 
-def drum(seed: int, rng: Generator) -> Sketch | None:
+def drum(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Stand the drum before the hidden tip, its axis in the plane that the tip bends in, and grow blades around it."""
-    robot = robot_of(seed, rng)
     radius = min(robot.radii)
     q = draw_shape(robot, 4.0 * radius, rng)
     tip = curve_of(robot, q, 2).poses[-1]
@@ -153,7 +150,8 @@ def drum(seed: int, rng: Generator) -> Sketch | None:
     rows, before = int(rng.integers(*DRUM_ROWS)), int(rng.integers(0, 2))
     frame = np.stack([outwards, np.cross(axis, outwards), axis], axis=-1)
     pitch = width + 1.5 * radius
-    obstacles: list[Obstacle] = [_hub(center, axis, hub, middle, pitch, rows)]
+    half = (abs(middle) + rows * pitch) * axis
+    obstacles: list[Obstacle] = [sn.Cylinder(center - half, center + half, hub, name="drum")]
     for row in range(rows):
         lift = middle + (row - min(before, rows - 1)) * pitch
         first = 0.5 if row == min(before, rows - 1) else rng.random()
@@ -167,11 +165,6 @@ def drum(seed: int, rng: Generator) -> Sketch | None:
     return Sketch(robot, obstacles, q)
 
 
-def _hub(center: Floats, axis: Floats, radius: float, middle: float, pitch: float, rows: int) -> sn.Cylinder:
-    half = (abs(middle) + rows * pitch) * axis
-    return sn.Cylinder(center - half, center + half, radius, name="drum")
-
-
 def _blade(
     angle: float, hub: float, height: float, width: float, lift: float, thickness: float, twist: float
 ) -> Surface:
@@ -180,21 +173,11 @@ def _blade(
     corners = 0.5 * np.array([[-thickness, -width], [thickness, -width], [thickness, width], [-thickness, width]])
     rings = []
     for share in shares:
-        turned = corners @ np.array(_turn(twist * share)).T
+        turned = corners @ about_z(twist * share)[:2, :2].T
         ring = np.stack([np.full(4, 0.98 * hub + share * height), turned[:, 0], lift + turned[:, 1]], axis=-1)
-        rings.append(ring @ _about_z(angle).T)
+        rings.append(ring @ about_z(angle)[:3, :3].T)
     stacked = np.array(rings)
     return loft(stacked, stacked[[0, -1]].mean(axis=1))
-
-
-def _turn(angle: float) -> list[list[float]]:
-    return [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
-
-
-def _about_z(angle: float) -> Floats:
-    rotation = np.eye(3)
-    rotation[:2, :2] = _turn(angle)
-    return rotation
 
 
 OPENING = (3.5, 6.0)
@@ -206,9 +189,8 @@ DEPTH, BOARD = (5.0, 10.0), 0.4
 COLUMNS, SHELF_ROWS = (2, 5), (2, 5)
 
 
-def shelf(seed: int, rng: Generator) -> Sketch:
+def shelf(robot: sn.Robot, rng: Generator) -> Sketch:
     """Put the shelf around the hidden tip, open to where it comes from."""
-    robot = robot_of(seed, rng)
     radius = min(robot.radii)
     q = draw_shape(robot, 4.0 * radius, rng)
     tip = curve_of(robot, q, 2).poses[-1]
@@ -221,21 +203,16 @@ def shelf(seed: int, rng: Generator) -> Sketch:
     off = rng.uniform(-0.5, 0.5, 2) * (sizes[:2] - 3.0 * radius)
     low = np.array([*(-(cell + 0.5) * pitch - off), radius * rng.uniform(1.3, 2.5) - sizes[2]])
     high = np.array([*(low[:2] + counts * pitch), low[2] + sizes[2]])
-    rotation = tip[:3, :3]
-
-    def board_between(a: Floats, b: Floats, name: str) -> sn.Box:
-        return sn.Box(tip[:3, 3] + rotation @ (0.5 * (a + b)), b - a, rotation, name=name)
-
     half = 0.5 * board
     back = np.array([*(low[:2] - half), high[2]]), np.array([*(high[:2] + half), high[2] + board])
-    boards = [board_between(*back, "back")]
+    boards = [box_between(tip, *back, "back")]
     for axis, kind in enumerate(("side", "shelf")):
         for i in range(counts[axis] + 1):
             a, b = low.copy(), high.copy()
             a[1 - axis] -= half
             b[1 - axis] += half
             a[axis], b[axis] = low[axis] + i * pitch[axis] - half, low[axis] + i * pitch[axis] + half
-            boards.append(board_between(a, b, f"{kind} {i + 1}"))
+            boards.append(box_between(tip, a, b, f"{kind} {i + 1}"))
     return Sketch(robot, boards, q)
 
 
@@ -258,9 +235,8 @@ STEP = 0.25
 TRIES = 30
 
 
-def duct(seed: int, rng: Generator) -> Sketch | None:
+def duct(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Wall in the hidden shape and some dead ends that leave it."""
-    robot = robot_of(seed, rng)
     radius = min(robot.radii)
     q = draw_shape(robot, 2.1 * OUTSIDE * radius, rng)
     samples = math.ceil(max(q[:, 2]) / (STEP * radius))

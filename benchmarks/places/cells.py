@@ -8,17 +8,11 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.places.around import largest_half
-from benchmarks.places.parts import curve_of, draw_shape, outlines_of, plate, solid
+from benchmarks.places.parts import Curve, about_z, box_between, curve_of, draw_shape, outlines_of, plate, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
-
-
-def box_between(frame: Floats, low: Floats, high: Floats, name: str) -> sn.Box:
-    """Return the box from corner `low` (3,) to corner `high` (3,) of a frame (4, 4)."""
-    middle = frame[:3, 3] + frame[:3, :3] @ (0.5 * (low + high))
-    return sn.Box(middle, high - low, frame[:3, :3], name=name)
 
 
 def walls_around(frame: Floats, low: Floats, high: Floats, wall: float, name: str) -> list[sn.Box]:
@@ -73,32 +67,6 @@ SAMPLES = 12
 """Of a segment, where it is looked at in which cell it lies."""
 
 
-class Line(NamedTuple):
-    """A hidden shape.
-
-    Attributes
-    ----------
-    poses : ndarray (m, 4, 4)
-        Frames along its backbone.
-    end : ndarray (3,)
-        The tool.
-    radius : float
-        Largest radius of the body.
-    """
-
-    poses: Floats
-    end: Floats
-    radius: float
-
-    def before(self, k: int) -> Floats:
-        """Points (m, 3) from the base to frame k."""
-        return self.poses[: k + 1, :3, 3]
-
-    def after(self, k: int) -> Floats:
-        """Points (m, 3) from frame k to the tool."""
-        return np.vstack([self.poses[k:, :3, 3], self.end])
-
-
 class Cell(NamedTuple):
     """A room with one door.
 
@@ -144,12 +112,6 @@ class Cell(NamedTuple):
         return bool((ahead | (local < low).any(axis=1) | (local[:, :2] > high[:2]).any(axis=1)).all())
 
 
-def line_of(robot: sn.Robot, q: Floats) -> Line:
-    """Return the hidden shape as a line."""
-    poses = curve_of(robot, q, SAMPLES).poses
-    return Line(poses, (poses[-1] @ robot.tool)[:3, 3], max(robot.radii))
-
-
 def in_frame(frame: Floats, points: Floats) -> Floats:
     """Return points (m, 3) of the world in a frame (4, 4)."""
     local: Floats = (points - frame[:3, 3]) @ frame[:3, :3]
@@ -161,10 +123,7 @@ def doorway(at: Floats, rng: Generator, inwards: bool = False) -> Floats:
     lean, roll = rng.uniform(0.0, TILT), rng.uniform(0.0, 2.0 * math.pi)
     normal = np.array([math.sin(lean) * math.cos(roll), math.sin(lean) * math.sin(roll), math.cos(lean)])
     turn = sn.pose(direction=-normal if inwards else normal)
-    spin = rng.uniform(0.0, 2.0 * math.pi)
-    spun = np.eye(4)
-    spun[:2, :2] = [[math.cos(spin), -math.sin(spin)], [math.sin(spin), math.cos(spin)]]
-    frame: Floats = at @ turn @ spun
+    frame: Floats = at @ turn @ about_z(rng.uniform(0.0, 2.0 * math.pi))
     return frame
 
 
@@ -187,6 +146,27 @@ def cell_around(points: Floats, frame: Floats, half: Floats, radius: float, rng:
     high[2] = -wall
     low[2] = min(low[2], -2.0 * radius)
     return Cell(frame, low, high, half, wall)
+
+
+def cell_between(
+    inner: Floats, outer: Floats, frame: Floats, half: Floats, radius: float, rng: Generator
+) -> Cell | None:
+    """Return the same cell where points outside are beyond its door, or outside of all its walls."""
+    cell = cell_around(inner, frame, half, radius, rng)
+    return None if cell is None or not cell.keeps_out(outer, radius) else cell
+
+
+FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
+"""Turns a frame about its x axis, so that z leads back."""
+
+
+def cells_back_to_back(
+    inner: Floats, outer: Floats, frame: Floats, half: Floats, radius: float, rng: Generator
+) -> tuple[Cell, Cell] | None:
+    """Return the cells around points on both sides of a wall that have the same door; `None` where one is not."""
+    first = cell_around(inner, frame, half, radius, rng)
+    other = cell_around(outer, frame @ FLIP, half, radius, rng)
+    return None if first is None or other is None else (first, other)
 
 
 SHARE = (0.25, 0.75)
@@ -216,29 +196,26 @@ SLIT = (0.5, 0.9)
 
 def door_out(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell with one door, the target outside."""
-    q, line, k = _drawn(robot, rng)
-    return _cell_at_base(robot, q, line, k, rng)
+    q, curve, k = _drawn(robot, rng)
+    return _cell_at_base(robot, q, curve, k, rng)
 
 
 def door_in(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the target into a cell with one door, the base outside."""
-    q, line, k = _drawn(robot, rng)
-    frame = doorway(line.poses[k], rng, inwards=True)
-    cell = cell_around(line.after(k), frame, draw_half(line.radius, rng), line.radius, rng)
-    if cell is None or not cell.keeps_out(line.before(k), line.radius):
-        return None
-    return sketch_of(robot, cell.boxes("cell"), q, rng)
+    q, curve, k = _drawn(robot, rng)
+    frame = doorway(curve.poses[k], rng, inwards=True)
+    return _in_cell(robot, q, frame, curve.after(k), curve.before(k), rng)
 
 
 def door_beside(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell whose door is beside or behind it: the tangent forbids the shortest route."""
     for _ in range(SHAPES):
-        q, line, _ = _drawn(robot, rng)
-        ways = line.poses[:, :3, 3] - line.poses[0, :3, 3]
-        behind = ways @ line.poses[0, :3, 2] <= ASIDE * np.linalg.norm(ways, axis=1)
+        q, curve, _ = _drawn(robot, rng)
+        ways = curve.points - curve.points[0]
+        behind = ways @ curve.tangents[0] <= ASIDE * np.linalg.norm(ways, axis=1)
         last = len(ways) - 1
         doors = [k for k in range(round(SHARE[0] * last), round(LATE * last)) if behind[k]]
-        found = _cell_at_base(robot, q, line, int(rng.choice(doors)), rng) if doors else None
+        found = _cell_at_base(robot, q, curve, int(rng.choice(doors)), rng) if doors else None
         if found is not None:
             return found
     return None
@@ -246,53 +223,51 @@ def door_beside(robot: sn.Robot, rng: Generator) -> Sketch | None:
 
 def folded(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Fold most of the robot into the cell at its base."""
-    q, line, k = _drawn(robot, rng, FOLDED)
-    points = line.before(k)
+    q, curve, k = _drawn(robot, rng, FOLDED)
+    points = curve.before(k)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
-    if np.linalg.norm(np.ptp(in_frame(line.poses[k], points), axis=0)) > FOLDS * length:
+    if np.linalg.norm(np.ptp(in_frame(curve.poses[k], points), axis=0)) > FOLDS * length:
         return None
-    return _cell_at_base(robot, q, line, k, rng)
+    return _cell_at_base(robot, q, curve, k, rng)
 
 
 def hall(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell so large that a search which looks everywhere has much to look at."""
-    q, line, k = _drawn(robot, rng)
-    frame, radius = doorway(line.poses[k], rng), line.radius
-    cell = cell_around(line.before(k), frame, draw_half(radius, rng), radius, rng)
+    q, curve, k = _drawn(robot, rng)
+    frame, radius = doorway(curve.poses[k], rng), max(robot.radii)
+    cell = cell_around(curve.before(k), frame, draw_half(radius, rng), radius, rng)
     if cell is None:
         return None
     spare = np.maximum(HALL * radius - (cell.high - cell.low), 0.0)
     share = np.append(rng.random(2), 1.0)
     large = cell._replace(low=cell.low - share * spare, high=cell.high + (1.0 - share) * spare)
-    return sketch_of(robot, large.boxes("hall"), q, rng) if large.keeps_out(line.after(k), radius) else None
+    return sketch_of(robot, large.boxes("hall"), q, rng) if large.keeps_out(curve.after(k), radius) else None
 
 
 def two_doors(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put base and target into two cells whose common wall has two doors, of which one is too narrow."""
-    q, line, k = _drawn(robot, rng)
-    frame, half = doorway(line.poses[k], rng), draw_half(line.radius, rng)
-    first = cell_around(line.before(k), frame, half, line.radius, rng)
-    flip = np.diag([1.0, -1.0, -1.0, 1.0])
-    other = cell_around(line.after(k), frame @ flip, half, line.radius, rng)
-    if first is None or other is None:
-        return None
-    common = common_wall(first, other, min(robot.radii), rng)
+    q, curve, k = _drawn(robot, rng)
+    frame, radius = doorway(curve.poses[k], rng), max(robot.radii)
+    cells = cells_back_to_back(curve.before(k), curve.after(k), frame, draw_half(radius, rng), radius, rng)
+    common = None if cells is None else common_wall(*cells, min(robot.radii), rng)
     return None if common is None else sketch_of(robot, common, q, rng)
 
 
-def _drawn(robot: sn.Robot, rng: Generator, share: tuple[float, float] = SHARE) -> tuple[Floats, Line, int]:
+def _drawn(robot: sn.Robot, rng: Generator, share: tuple[float, float] = SHARE) -> tuple[Floats, Curve, int]:
     """Draw a shape, and the number of the frame where it goes through a wall."""
     q = draw_shape(robot, DOOR_APART * max(robot.radii), rng)
-    line = line_of(robot, q)
-    return q, line, round(rng.uniform(*share) * (len(line.poses) - 1))
+    curve = curve_of(robot, q, SAMPLES)
+    return q, curve, round(rng.uniform(*share) * (len(curve.poses) - 1))
 
 
-def _cell_at_base(robot: sn.Robot, q: Floats, line: Line, k: int, rng: Generator) -> Sketch | None:
-    frame = doorway(line.poses[k], rng)
-    cell = cell_around(line.before(k), frame, draw_half(line.radius, rng), line.radius, rng)
-    if cell is None or not cell.keeps_out(line.after(k), line.radius):
-        return None
-    return sketch_of(robot, cell.boxes("cell"), q, rng)
+def _cell_at_base(robot: sn.Robot, q: Floats, curve: Curve, k: int, rng: Generator) -> Sketch | None:
+    return _in_cell(robot, q, doorway(curve.poses[k], rng), curve.before(k), curve.after(k), rng)
+
+
+def _in_cell(robot: sn.Robot, q: Floats, door: Floats, inner: Floats, outer: Floats, rng: Generator) -> Sketch | None:
+    radius = max(robot.radii)
+    cell = cell_between(inner, outer, door, draw_half(radius, rng), radius, rng)
+    return None if cell is None else sketch_of(robot, cell.boxes("cell"), q, rng)
 
 
 def common_wall(first: Cell, other: Cell, thin: float, rng: Generator) -> list[sn.Box] | None:
@@ -369,23 +344,24 @@ def keyholes(robot: sn.Robot, rng: Generator) -> Sketch | None:
 def nested(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell within a larger cell, each with a door of its own; the target is outside."""
     q = draw_shape(robot, KEYHOLE_APART * max(robot.radii), rng)
-    line = line_of(robot, q)
-    first, second = (round(rng.uniform(*share) * (len(line.poses) - 1)) for share in (INNER, OUTER))
-    inner_door, outer_door = doorway(line.poses[first], rng), doorway(line.poses[second], rng)
-    inner = cell_around(line.before(first), inner_door, draw_half(line.radius, rng), line.radius, rng)
-    outer = cell_around(line.before(second), outer_door, draw_half(line.radius, rng), line.radius, rng)
-    if inner is None or outer is None or not inner.keeps_out(line.after(first), line.radius):
+    curve, radius = curve_of(robot, q, SAMPLES), max(robot.radii)
+    first, second = (round(rng.uniform(*share) * (len(curve.poses) - 1)) for share in (INNER, OUTER))
+    inner_door, outer_door = doorway(curve.poses[first], rng), doorway(curve.poses[second], rng)
+    before, after = curve.before(first), curve.after(first)
+    inner = cell_between(before, after, inner_door, draw_half(radius, rng), radius, rng)
+    outer = cell_around(curve.before(second), outer_door, draw_half(radius, rng), radius, rng)
+    if inner is None or outer is None:
         return None
     low, high = inner.low - inner.wall, np.append(inner.high[:2] + inner.wall, 0.0)
     corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1), indexing="ij"), axis=-1).reshape(-1, 3)
     within = in_frame(outer_door, corners @ inner_door[:3, :3].T + inner_door[:3, 3])
-    spare = 3.0 * line.radius
+    spare = 3.0 * radius
     if within[:, 2].max() > outer.high[2]:
         return None
     lower, upper = np.minimum(outer.low, within.min(axis=0) - spare), outer.high.copy()
     upper[:2] = np.maximum(upper[:2], within.max(axis=0)[:2] + spare)
     outer = outer._replace(low=lower, high=upper)
-    if not outer.keeps_out(line.after(second), line.radius):
+    if not outer.keeps_out(curve.after(second), radius):
         return None
     return sketch_of(robot, [*inner.boxes("inner cell"), *outer.boxes("outer cell")], q, rng)
 
@@ -413,29 +389,27 @@ LEEWAY = 1.15
 """Least distance of a box from the shape, in radii of the body."""
 
 
-def small_world(seed: int, rng: Generator) -> Sketch | None:
-    """Draw a robot and any shape of it, and put a door where the shape passes: in a wall, or in that of a cell."""
-    robot = any_robot(rng)
-    q = random_configurations(robot, 1, rng)[0]
-    line = line_of(robot, q)
-    k = round(rng.uniform(0.15, 0.9) * (len(line.poses) - 1))
-    kind, half = int(rng.integers(3)), draw_half(line.radius, rng)
-    frame = doorway(line.poses[k], rng, inwards=kind == 2)
+def small_world(robot: sn.Robot, rng: Generator) -> Sketch | None:
+    """Draw any shape of a robot, and put a door where the shape passes: in a wall, or in that of a cell."""
+    q, radius = random_configurations(robot, 1, rng)[0], max(robot.radii)
+    curve = curve_of(robot, q, SAMPLES)
+    k = round(rng.uniform(0.15, 0.9) * (len(curve.poses) - 1))
+    kind, half = int(rng.integers(3)), draw_half(radius, rng)
+    frame = doorway(curve.poses[k], rng, inwards=kind == 2)
     if kind == 0:
-        doors = _wall(frame, half, line.radius, rng)
+        doors = _wall(frame, half, radius, rng)
     else:
-        inner, outer = (line.before(k), line.after(k)) if kind == 1 else (line.after(k), line.before(k))
-        cell = cell_around(inner, frame, half, line.radius, rng)
-        if cell is None or not cell.keeps_out(outer, line.radius):
+        inner, outer = (curve.before(k), curve.after(k)) if kind == 1 else (curve.after(k), curve.before(k))
+        cell = cell_between(inner, outer, frame, half, radius, rng)
+        if cell is None:
             return None
         doors = cell.boxes("cell")
-    points = line.poses[:, :3, 3]
-    if min(measure(box, points).min() for box in doors) < line.radius and robot.mount == 0.0:
+    if min(measure(box, curve.points).min() for box in doors) < radius and robot.mount == 0.0:
         return None
-    return sketch_of(robot, [*doors, *_boxes(line, rng)], q, rng)
+    return sketch_of(robot, [*doors, *_boxes(curve, radius, rng)], q, rng)
 
 
-def any_robot(rng: Generator) -> sn.Robot:
+def any_robot(_: int, rng: Generator) -> sn.Robot:
     """Draw a robot of any size, alike or different segments, some with an insertion stage or a mount."""
     unit = 10.0 ** rng.uniform(-2.0, 2.0)
     radius = unit * rng.uniform(*WORLD_THICKNESS)
@@ -455,16 +429,14 @@ def _wall(frame: Floats, half: Floats, radius: float, rng: Generator) -> list[sn
     return wall_with_door(frame, np.append(low, -thick), np.append(high, thick), np.array([-half, half]), "wall")
 
 
-def _boxes(line: Line, rng: Generator) -> list[sn.Box]:
+def _boxes(curve: Curve, radius: float, rng: Generator) -> list[sn.Box]:
     """Return boxes that leave the shape alone."""
-    points = line.poses[:, :3, 3]
-    local = in_frame(line.poses[0], points)
-    extent = np.ptp(local, axis=0)
-    size = float(np.linalg.norm(extent))
+    points = curve.points
+    size = float(np.linalg.norm(np.ptp(in_frame(curve.poses[0], points), axis=0)))
     found = list[sn.Box]()
     for _ in range(int(rng.integers(0, MOST_BOXES + 1))):
         center = points[rng.integers(len(points))] + 0.4 * size * rng.normal(size=3)
         box = sn.Box(center, size * rng.uniform(*BOX_SIZE, 3) ** 2, rng.normal(size=4), name=f"box {len(found) + 1}")
-        if measure(box, points).min() > LEEWAY * line.radius:
+        if measure(box, points).min() > LEEWAY * radius:
             found.append(box)
     return found

@@ -30,6 +30,7 @@ from benchmarks.places.parts import (
     joined,
     long_robot,
     plate,
+    robot_of,
     solid,
     stout_robot,
     thin_robot,
@@ -340,7 +341,10 @@ class Family:
     joints: bool = False
 
 
-_DRAWN: dict[str, tuple[Draw, str]] = {
+Traps = Mapping[str, tuple[Trap, str]]
+"""What is drawn around a robot, and what it is, by name."""
+
+_PLAIN: Traps = {
     **{f"spheres {n}": (partial(spheres, n), f"{n} balls beside the hidden shape") for n in (12, 40, 100)},
     **{
         f"pipe {w}": (partial(pipe, w), f"closed curved pipe of {w} times the body's radius, a mesh")
@@ -353,7 +357,7 @@ _DRAWN: dict[str, tuple[Draw, str]] = {
 }
 SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
 
-_TRAPS: dict[str, tuple[Trap, str]] = {
+_TRAPS: Traps = {
     **{
         f"open pipe {w}": (
             partial(tubes.open_pipe, w),
@@ -376,8 +380,15 @@ _TRAPS: dict[str, tuple[Trap, str]] = {
     "funnel": (tubes.funnel, "target in a bent pipe whose mouth widens, the base outside, a mesh"),
     "branches": (tubes.branches, "base in a mouth of a pipe with a dead end on its way, a mesh"),
     "box duct": (tubes.box_duct, "a flat duct of rectangular section, from the base or beyond it, boxes"),
+    "rods": (media.rods, "hundreds of rods thrown about, capsules"),
+    "sheets": (media.sheets, "hundreds of thin sheets, boxes"),
+    "hoops": (media.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
+    "cables": (media.cables, "trays of curved cables, hundreds of capsules"),
+    "profiles": (media.profiles, "a frame of hundreds of profiles, boxes and cylinders"),
+    "assembly": (media.assembly, "hundreds of pieces of a machine, in one mesh or a mesh each"),
 }
-_JUDGING: dict[str, tuple[Trap, str]] = {
+_LONG: Traps = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
+_JUDGING: Traps = {
     "helix": (tubes.helix, "a helical pipe, open at both ends, the base before its mouth or in it, a mesh"),
     "bronchi": (tubes.bronchi, "a tree of tapering tubes, the base in its mouth, the target in a leaf, a mesh"),
     "stenosis": (tubes.stenosis, "a pipe with throats, the base before its mouth or in it, a mesh"),
@@ -388,23 +399,6 @@ _JUDGING: dict[str, tuple[Trap, str]] = {
     "slab": (media.slab, "two plates and pillars between them, half-spaces and cylinders"),
     "keyholes": (cells.keyholes, "thick walls with keyholes, meshes"),
     "nested": (cells.nested, "a cell within a cell, a door each, boxes"),
-}
-_CROWDS: dict[str, tuple[Trap, str]] = {
-    "rods": (media.rods, "hundreds of rods thrown about, capsules"),
-    "sheets": (media.sheets, "hundreds of thin sheets, boxes"),
-    "hoops": (media.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
-    "cables": (media.cables, "trays of curved cables, hundreds of capsules"),
-    "profiles": (media.profiles, "a frame of hundreds of profiles, boxes and cylinders"),
-    "assembly": (media.assembly, "hundreds of pieces of a machine, in one mesh or a mesh each"),
-}
-_LONG: dict[str, tuple[Trap, str]] = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
-_STAGED: dict[str, tuple[Draw, str]] = {
-    "stage": (staged, "on a stage of 3 to 50 segments' lengths, what is narrow about the target, or between")
-}
-_CARRIED: dict[str, tuple[Draw, str]] = {
-    "six axes": (partial(carried, six_axes), "on an elbow robot of six axes, the same"),
-    "driven base": (partial(carried, driven), "on a base that drives and turns, the same"),
-    "rail": (partial(carried, railed), "on a rail, and rolled, the same"),
 }
 SCANNED_TRAPS = (
     *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
@@ -425,15 +419,7 @@ _PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
 }
 
 
-_THIN: dict[str, tuple[Trap, str]] = {"hall": (cells.hall, "base in a hall of 1000 radii with one door, boxes")}
-_SMALL: dict[str, tuple[Draw, str]] = {
-    "small world": (cells.small_world, "any robot and shape, a door that it goes through, and boxes, quickly made")
-}
-
-
-def _for(
-    robots: Callable[[int, Generator], Robot], traps: Mapping[str, tuple[Trap, str]]
-) -> dict[str, tuple[Draw, str]]:
+def _for(robots: Callable[[int, Generator], Robot], traps: Traps) -> dict[str, tuple[Draw, str]]:
     """Traps as they are drawn for these robots."""
     return {name: (partial(trapped, trap, robots), words) for name, (trap, words) in traps.items()}
 
@@ -444,24 +430,34 @@ def _scans(drawn: Mapping[str, tuple[Draw, str]]) -> dict[str, tuple[Draw, str]]
 
 def _families() -> dict[str, Family]:
     """Places as they are drawn, as meshes, and as scans, each for its robots."""
-    drawn = _DRAWN | _scans({name: _DRAWN[name] for name in SCANNED})
-    traps = _for(various_robot, _TRAPS | _CROWDS) | _for(long_robot, _LONG) | _for(thin_robot, _THIN)
+    drawn = _for(robot_of, _PLAIN)
+    drawn |= _scans({name: drawn[name] for name in SCANNED})
+    hall = {"hall": (cells.hall, "base in a hall of 1000 radii with one door, boxes")}
+    traps = _for(various_robot, _TRAPS) | _for(long_robot, _LONG) | _for(thin_robot, hall)
     traps |= {f"{name} mesh": (partial(meshed, traps[name][0]), f"a mesh of {name}") for name in MESHED}
     traps |= _scans(_for(stout_robot, {name: _TRAPS[name] for name in SCANNED_TRAPS}))
     traps |= _scans(_for(partial(long_robot, stout=True), _LONG))
-    traps |= _SMALL | _for(various_robot, _JUDGING) | _STAGED | _CARRIED
+    small = "any robot and shape, a door that it goes through, and boxes, quickly made"
+    traps |= _for(cells.any_robot, {"small world": (cells.small_world, small)}) | _for(various_robot, _JUDGING)
+    traps["stage"] = staged, "on a stage of 3 to 50 segments' lengths, what is narrow about the target, or between"
+    on_joints = {
+        "six axes": (six_axes, "on an elbow robot of six axes, the same"),
+        "driven base": (driven, "on a base that drives and turns, the same"),
+        "rail": (railed, "on a rail, and rolled, the same"),
+    }
+    traps |= {name: (partial(carried, joints), words) for name, (joints, words) in on_joints.items()}
     families = {
         # The name is part of what the draws begin with.
-        name: Family(
-            partial(settle, name, draw=draw),
-            words,
-            trap=name in traps,
-            judging=name in _JUDGING,
-            joints=name in _CARRIED,
-        )
+        name: Family(partial(settle, name, draw=draw), words, False, name in traps, name in _JUDGING, name in on_joints)
         for name, (draw, words) in (drawn | traps).items()
     }
-    return families | {name: Family(made, words, published=True) for name, (made, words) in _PUBLISHED.items()}
+    extended = "four scenes of balls, 3 to 6 extensible segments"
+    published: dict[str, tuple[Callable[[int], Place], str]] = {
+        "p3": (fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
+        "p4 direction": (partial(extensible, whole=False), f"{extended}, position and direction"),
+        "p4 pose": (partial(extensible, whole=True), f"{extended}, position and rotation"),
+    }
+    return families | {name: Family(made, words, published=True) for name, (made, words) in published.items()}
 
 
 FAMILIES = _families()

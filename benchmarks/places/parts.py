@@ -137,10 +137,13 @@ class Curve(NamedTuple):
         Frames along it, z the tangent; they do not turn about it.
     along : ndarray (m,)
         Arc length from the base.
+    end : ndarray (3,)
+        The tool.
     """
 
     poses: Floats
     along: Floats
+    end: Floats
 
     @property
     def points(self) -> Floats:
@@ -151,6 +154,21 @@ class Curve(NamedTuple):
     def tangents(self) -> Floats:
         """Unit tangents (m, 3)."""
         return self.poses[:, :3, 2]
+
+    def before(self, k: int) -> Floats:
+        """Points (k + 1, 3) from the base to frame k."""
+        return self.points[: k + 1]
+
+    def after(self, k: int) -> Floats:
+        """Points (m - k + 1, 3) from frame k to the tool."""
+        return np.vstack([self.points[k:], self.end])
+
+
+def about_z(angle: float) -> Floats:
+    """Return the pose (4, 4) that turns by an angle about z."""
+    turned = np.eye(4)
+    turned[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return turned
 
 
 def arc(start: Floats, coordinates: Floats, samples: int) -> Floats:
@@ -165,8 +183,8 @@ def curve_of(robot: sn.Robot, q: Floats, samples: int) -> Curve:
     pieces, parts = [robot.base[None]], q[:, None] * np.linspace(0.0, 1.0, samples + 1)[1:, None]
     for steps in arc_poses(parts[..., 0], parts[..., 1], parts[..., 2]):
         pieces.append(pieces[-1][-1] @ steps)
-    steps = np.repeat(q[:, 2] / samples, samples)
-    return Curve(np.concatenate(pieces), np.concatenate([[0.0], np.cumsum(steps)]))
+    steps, poses = np.repeat(q[:, 2] / samples, samples), np.concatenate(pieces)
+    return Curve(poses, np.concatenate([[0.0], np.cumsum(steps)]), (poses[-1] @ robot.tool)[:3, 3])
 
 
 def lengthened(poses: Floats, by: float) -> Floats:
@@ -317,6 +335,12 @@ FACES = np.array(
     ]
 )
 """Of the cube of edge 1 about the origin, faces counterclockwise as seen from outside."""
+
+
+def box_between(frame: Floats, low: Floats, high: Floats, name: str) -> sn.Box:
+    """Return the box from corner `low` (3,) to corner `high` (3,) of a frame (4, 4)."""
+    middle = frame[:3, 3] + frame[:3, :3] @ (0.5 * (low + high))
+    return sn.Box(middle, high - low, frame[:3, :3], name=name)
 
 
 def solid(surface: Surface, name: str) -> Mesh:

@@ -8,14 +8,16 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial import cKDTree
 
-from benchmarks.places.cells import SAMPLES, Line, box_between, cell_around, channel, in_frame, line_of
+from benchmarks.places.cells import FLIP, SAMPLES, cell_between, channel, in_frame
 from benchmarks.places.parts import (
     WALL,
     Curve,
     Surface,
+    about_z,
     arc,
     around,
     blind_bore,
+    box_between,
     curve_of,
     draw_flat_shape,
     draw_shape,
@@ -122,9 +124,6 @@ def _piped(robot: Robot, q: Floats, poses: Floats, width: float, rng: Generator)
 CORRIDOR_WIDTH = (1.3, 1.8)
 """Inner radius of a pipe, half the side of a channel, in radii of the body."""
 
-FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
-"""Turns a frame about its x axis, so that z leads back."""
-
 
 def between_cells(straight: bool, robot: Robot, rng: Generator) -> Sketch | None:
     """Put base and target into two cells: a straight channel of boxes leads between them, or a bent pipe, a mesh."""
@@ -133,30 +132,19 @@ def between_cells(straight: bool, robot: Robot, rng: Generator) -> Sketch | None
         first = int(rng.integers(1, n - 1))
         held = range(first, min(n - 1, first + 1 + n // 5))
     q, _ = tube_shape(robot, width, rng, held)
-    line = line_of(robot, q)
+    curve, door = curve_of(robot, q, SAMPLES), np.full(2, width * radius)
     begin, end = held.start * SAMPLES, held.stop * SAMPLES
     if not straight:
-        begin, end = (round(share * (len(line.poses) - 1)) for share in (rng.uniform(0.2, 0.4), rng.uniform(0.5, 0.8)))
-    cells = _cells(line, begin, end, width * radius, rng)
-    if cells is None:
-        return None
-    wall: list[Obstacle] = [walled(line.poses[begin : end + 1], width, radius, "pipe")]
-    if straight:
-        length = float(np.linalg.norm(line.poses[end, :3, 3] - line.poses[begin, :3, 3]))
-        wall = [*channel(line.poses[begin], width * radius, length, WALL * radius, "channel")]
-    return sketch_of(robot, [*cells, *wall], q, rng)
-
-
-def _cells(line: Line, begin: int, end: int, half: float, rng: Generator) -> list[Obstacle] | None:
-    """Walls of the cells before frame `begin` and after frame `end`; each leaves the rest of the shape outside."""
-    door = np.array([half, half])
-    at_base = cell_around(line.before(begin), line.poses[begin], door, line.radius, rng)
-    at_target = cell_around(line.after(end), line.poses[end] @ FLIP, door, line.radius, rng)
+        begin, end = (round(share * (len(curve.poses) - 1)) for share in (rng.uniform(0.2, 0.4), rng.uniform(0.5, 0.8)))
+    at_base = cell_between(curve.before(begin), curve.after(begin), curve.poses[begin], door, radius, rng)
+    at_target = cell_between(curve.after(end), curve.before(end), curve.poses[end] @ FLIP, door, radius, rng)
     if at_base is None or at_target is None:
         return None
-    if not (at_base.keeps_out(line.after(begin), line.radius) and at_target.keeps_out(line.before(end), line.radius)):
-        return None
-    return [*at_base.boxes("base cell"), *at_target.boxes("target cell")]
+    wall: list[Obstacle] = [walled(curve.poses[begin : end + 1], width, radius, "pipe")]
+    if straight:
+        length = float(np.linalg.norm(curve.points[end] - curve.points[begin]))
+        wall = [*channel(curve.poses[begin], width * radius, length, WALL * radius, "channel")]
+    return sketch_of(robot, [*at_base.boxes("base cell"), *at_target.boxes("target cell"), *wall], q, rng)
 
 
 TUBE_WIDTH = (1.25, 2.5)
@@ -200,7 +188,7 @@ def funnel(robot: Robot, rng: Generator) -> Sketch | None:
 
 def past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
     """Return poses (m, 4, 4) that go on beyond the tip, and beyond the tool."""
-    tool = line_of(robot, q).end - poses[-1, :3, 3]
+    tool = curve_of(robot, q, SAMPLES).end - poses[-1, :3, 3]
     ahead = max(0.0, float(tool @ poses[-1, :3, 2]))
     return lengthened(poses, ahead + max(robot.radii) * rng.uniform(*PAST))
 
@@ -221,7 +209,7 @@ def bore(square: bool, robot: Robot, rng: Generator) -> Sketch | None:
     radius = max(robot.radii)
     width, block = radius * rng.uniform(*BORE_WIDTH), radius * rng.uniform(*BLOCK)
     q, frame, depth = _drilled(robot, rng)
-    tool = in_frame(frame, line_of(robot, q).end[None])[0]
+    tool = in_frame(frame, curve_of(robot, q, SAMPLES).end[None])[0]
     if float(np.linalg.norm(tool[:2])) >= width - 0.2 * radius:  # the tool is in the wall
         return None
     made: list[Obstacle] = [solid(blind_bore(frame, width, depth, block, radius), "block")]
@@ -236,9 +224,9 @@ def _drilled(robot: Robot, rng: Generator) -> tuple[Floats, Floats, float]:
     n, radius = len(robot), max(robot.radii)
     count = int(rng.integers(1, max(2, n // 3)))
     q = draw_shape(robot, 4.0 * radius, rng, straight=range(n - count, n))
-    line = line_of(robot, q)
-    mouth = line.poses[round(rng.uniform(n - count, n - 0.5) * SAMPLES)]
-    local = in_frame(mouth, np.stack([line.poses[-1, :3, 3], line.end]))
+    curve = curve_of(robot, q, SAMPLES)
+    mouth = curve.poses[round(rng.uniform(n - count, n - 0.5) * SAMPLES)]
+    local = in_frame(mouth, np.stack([curve.points[-1], curve.end]))
     depth = float(local[0, 2] + max(radius * rng.uniform(*BOTTOM), local[1, 2] - local[0, 2] + 0.3 * radius))
     return q, mouth, depth
 
@@ -267,7 +255,7 @@ def branches(robot: Robot, rng: Generator) -> Sketch | None:
     dead = offshoots(curve.points, partial(_dead_end, curve.poses, radius, rng), 1, TRIES, (width + WALL) * radius)
     if not dead:
         return None
-    tool = np.linspace(curve.points[-1], line_of(robot, q).end, 20)
+    tool = np.linspace(curve.points[-1], curve_of(robot, q, SAMPLES).end, 20)
     axes = np.concatenate([curve.points, *dead, tool])
     beyond = np.linspace(0.0, (width + 2.0) * radius, 20)[:, None]
     open_at = [tool[-1] + beyond * curve.tangents[-1]]
@@ -322,9 +310,7 @@ def box_duct(robot: Robot, rng: Generator) -> Sketch | None:
     q, curve = found
     last, at_base = len(curve.poses) - 1, rng.random() < DUCT_WITHIN
     begin, end = 0 if at_base else round(rng.uniform(*BEGINS) * last), round(rng.uniform(*ENDS) * last)
-    turn = np.eye(4)
-    turn[:2, :2] = [[math.cos(plane), -math.sin(plane)], [math.sin(plane), math.cos(plane)]]
-    poses = curve.poses[begin : end + 1 : EVERY] @ turn
+    poses = curve.poses[begin : end + 1 : EVERY] @ about_z(plane)
     if at_base:
         poses = backwards(poses, radius, rng)
     return sketch_of(robot, _walls(poses, width * radius, height * radius, SHEET * radius), q, rng)

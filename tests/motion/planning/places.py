@@ -3,7 +3,8 @@
 import numpy as np
 
 import sinuous as sn
-from benchmarks.places.cells import box_between, channel
+from benchmarks.places.cells import channel
+from benchmarks.places.parts import box_between
 from sinuous.motion.planning.query import Deadline, FixedGoal, Query
 from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats

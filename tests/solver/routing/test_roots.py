@@ -8,7 +8,8 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.clearances import prepared
 from benchmarks.places import make
-from benchmarks.places.cells import box_between, channel
+from benchmarks.places.cells import channel
+from benchmarks.places.parts import box_between
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import POSE_POSITION
 from sinuous.measures.obstacles import measure

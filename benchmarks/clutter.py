@@ -7,13 +7,12 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from time import perf_counter
 from typing import Annotated, NamedTuple
 
 import typer
 
 import sinuous as sn
-from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, ignore_suspicions, in_processes
+from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, ignore_suspicions, in_processes, timed
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right as judged_right
@@ -138,9 +137,7 @@ def examine(family: str, seed: int, without: tuple[str, ...] = ()) -> Trial:
     place = make(family, seed)
     solver = Solver(place.robot, place.scene, tolerance=place.tolerance, without=without)
     solver.solve(place.targets)
-    began = perf_counter()
-    solution = solver.solve(place.targets)
-    seconds = perf_counter() - began
+    solution, seconds = timed(solver.solve, place.targets)
     right = solution.solved and judged_right(place, solution.configuration)
     return Trial(seed, seconds, str(solution.status), solution.start, solution.solved, right)
 

@@ -5,10 +5,10 @@ are solved again, from the answer, after the parameters have moved a little both
 many answers are regular. Costs are those beyond the solve: by the target, and by everything.
 """
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import islice
+from time import thread_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
 from benchmarks.places.parts import CORNERS, FACES
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.derivatives.parameters import GROUPS, circles_of
@@ -645,12 +645,10 @@ def measure_costs(plan: Plan) -> Iterator[Line]:
 
 
 def _times(answers: Sequence[sn.Solution], wrt: tuple[Parameter, ...]) -> Iterator[float]:
-    for i, each in enumerate((*answers[:3], *answers)):
-        began = time.thread_time()
-        for _ in range(REPEATS):
-            each.derivative(wrt)
-        if i >= 3:  # those before are warm
-            yield (time.thread_time() - began) / REPEATS
+    for each in answers[:3]:  # warm
+        each.derivative(wrt)
+    for each in answers:
+        yield timed(lambda own=each: [own.derivative(wrt) for _ in range(REPEATS)], clock=thread_time)[1] / REPEATS
 
 
 PARTS: dict[str, Part] = {

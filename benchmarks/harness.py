@@ -70,6 +70,21 @@ class Times:
         return cls(len(values), median, p95, p99, float(values.max()))
 
 
+Answer = TypeVar("Answer")
+
+
+def timed(
+    work: Callable[..., Answer], *given: Any, runs: int = 1, clock: Callable[[], float] = perf_counter, **options: Any
+) -> tuple[Answer, float]:
+    """Do something so often; return what came of it, and the least seconds that it took."""
+    least = math.inf
+    for _ in range(runs):
+        began = clock()
+        answer = work(*given, **options)
+        least = min(least, clock() - began)
+    return answer, least
+
+
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6}
 """Units of time, and how many of them a second has; other units are those of the number itself."""
 
@@ -95,6 +110,19 @@ class Goal:
     def held(self, reached: float) -> bool:
         """Whether a value is on the right side."""
         return reached <= self.value if self.at_most else reached >= self.value
+
+
+class Trial(NamedTuple):
+    """What came of a plan: its number, seconds of the call, status, and what a judge found wrong (or "")."""
+
+    number: int
+    seconds: float
+    status: str
+    wrong: str
+
+    def good(self, limit: float) -> bool:
+        """Whether it is called solved within the limit (s), and no judge objects."""
+        return self.status == "solved" and not self.wrong and self.seconds <= limit
 
 
 @dataclass(frozen=True)
@@ -141,6 +169,23 @@ class Line:
     def correctness(self) -> bool:
         """Whether the goal is one of correctness."""
         return self.goal is not None and self.goal.correctness
+
+
+def counted(
+    planned: str, false: str, what: str, trials: Sequence[Trial], limit: float, share: float | None = None
+) -> Iterator[Line]:
+    """Count what is planned within the limit (s), of which a share (%) may be wanted, and what a judge refutes."""
+    missed = ", ".join(f"{trial.number} ({trial.status})" for trial in trials if not trial.good(limit))
+    good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
+    times, note = Times.of([trial.seconds for trial in trials]), f"not within {limit:g} s: {missed}" if missed else ""
+    yield Line(planned, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
+    yield refuted(false, what, trials)
+
+
+def refuted(false: str, what: str, trials: Sequence[Trial]) -> Line:
+    """Count what a judge refutes."""
+    wrong = [f"{trial.number} ({trial.wrong})" for trial in trials if trial.wrong]
+    return Line(false, what, len(wrong), "", Goal(0, correctness=True), note=", ".join(wrong))
 
 
 def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:

@@ -8,7 +8,6 @@ that shares nothing with the kernels.
 """
 
 import math
-import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib import import_module
@@ -17,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
 from benchmarks.judges.judge import right, wrong_at
 from benchmarks.judges.kinematics import arc_ends, arc_poses, link_poses, moving, tip_poses
 from benchmarks.mbm import panda
@@ -165,12 +164,7 @@ def rigid_reference(plan: Plan) -> Iterator[Line]:
     rng, seconds = np.random.default_rng(plan.seed), []
     for _ in range(plan.count(REFERENCES, 2)):
         pose = arm.fwdKin(rng.uniform(-math.pi, math.pi, 6))
-        spent = []
-        for _ in range(RUNS):
-            began = time.perf_counter()
-            arm.IK(pose)
-            spent.append(time.perf_counter() - began)
-        seconds.append(min(spent))
+        seconds.append(timed(arm.IK, pose, runs=RUNS)[1])
     times = Times.of(seconds)
     yield Line(SECTION, "EAIK, six axes, all branches, a call through Python", times.median, "us", None, times)
 

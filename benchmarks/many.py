@@ -7,7 +7,6 @@ What is timed with its memory runs in a process of its own. That a batch which i
 import json
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, ignore_suspicions
+from benchmarks.harness import Goal, Line, Part, Plan, ignore_suspicions, timed
 from benchmarks.problems import among_spheres, arm, random_configurations
 from sinuous.base.checks import Floats
 from sinuous.studies.batch.solve import solve_batch
@@ -91,9 +90,7 @@ def run_child() -> None:
     own: dict[str, Any] = settings.get("options", {})
     few = tips(ROBOT, 300, plan.rng(31))
     solve_batch(ROBOT, {"positions": few[:, :3, 3], "directions": few[:, :3, 2]}, scene, time=0.05)  # compiled now
-    began = time.perf_counter()
-    found = solve_batch(ROBOT, Path(settings["targets"]), scene, settings["out"], **own)
-    seconds = time.perf_counter() - began
+    found, seconds = timed(solve_batch, ROBOT, Path(settings["targets"]), scene, settings["out"], **own)
     sys.stdout.write(json.dumps([seconds, _megabytes(), dict(found.counts)]) + "\n")
 
 
@@ -148,9 +145,7 @@ def _best(solve: Callable[..., Any]) -> dict[str, float]:
         ways: dict[str, dict[str, Any]] = {"one": {"workers": 1}, "two": {"workers": 2}, "dask": {"engine": client}}
         for _ in range(TURNS):
             for name, own in ways.items():
-                began = time.perf_counter()
-                solve(**own)
-                best[name] = min(best.get(name, 1e9), time.perf_counter() - began)
+                best[name] = min(best.get(name, 1e9), timed(solve, **own)[1])
     return best
 
 

@@ -23,7 +23,7 @@ import sinuous as sn
 from benchmarks.harness import Alone, Record, Times, give, in_processes, table
 from benchmarks.judges.judge import right, wrong_in
 from benchmarks.judges.kinematics import tip_poses
-from benchmarks.ways import timed
+from benchmarks.ways import measured
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
@@ -153,13 +153,11 @@ def examine(robot: str, seed: int, given: tuple[str, Problem]) -> Trial:
         if why := _outside(asked):
             return Trial(scenario, problem["problem"], why, "", math.nan, math.nan)
         plan = partial(sn.plan, time=PATIENCE * LIMIT, seed=seed)
-        motions.append(timed(plan, asked.robot, start, asked.goal, asked.scene))
+        motions.append(measured(plan, asked.robot, start, asked.goal, asked.scene))
     motion = motions[0][0]
     wrong = _wrong(asked, motion) if motion.solved else ""
     cost = float(distances(asked.robot, motion.configuration).sum())
-    return Trial(
-        scenario, problem["problem"], str(motion.status), wrong, 1e-3 * median(spent for _, spent in motions), cost
-    )
+    return Trial(scenario, problem["problem"], str(motion.status), wrong, median(spent for _, spent in motions), cost)
 
 
 def _outside(asked: Asked) -> str:

@@ -8,18 +8,17 @@ control steps under load are timed.
 
 import csv
 import math
-import time
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from time import perf_counter
+from time import thread_time
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
 from benchmarks.judges.cosserat import shoot
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.motion.loops import stepped
@@ -74,10 +73,9 @@ def fitted(name: str, plan: Plan) -> Iterator[Line]:
     length, rows = robot.mean_length, rows_of(robot, f"{name}_train")
     groups = rows.groups or ()
     sn.studies.calibrate(robot, rows.actuators[:60], rows.measured[:60])  # kernels are loaded
-    began = perf_counter()
-    own = sn.studies.calibrate(robot, rows.actuators, rows.measured, groups=groups)
+    own, spent = timed(sn.studies.calibrate, robot, rows.actuators, rows.measured, groups=groups)
     where = f"{name}, {len(groups)} rows, {own.drawn.mean_length:g} mm"
-    yield Line(where, "a fit that chooses its parameters", perf_counter() - began, "s", Goal(5.0))
+    yield Line(where, "a fit that chooses its parameters", spent, "s", Goal(5.0))
     yield Line(where, "mean error of the tip, fitted rows", 100.0 * off(own.robot, rows).mean() / length, "%")
     yield Line(where, "mean error, rows held back by the fit", 100.0 * own.expected.mean / length, "%")
     errors, bounds, likes, some = [], [], [], []
@@ -146,7 +144,7 @@ def tendon_robot(_: Plan) -> list[Line]:
     for case in cases():
         load = sn.Force(case.force)
         found = robot.equilibrium(tensions=case.tensions, forces=load)
-        seconds.append(min(_alone(found) for _ in range(REPEATS)))
+        seconds.append(_alone(found))
         off = {name: 250.0 * float(np.linalg.norm(found.tip[:3, 3] - tip)) for name, tip in case.tips.items()}
         if off["VCref"] > ANOTHER:
             models = ", ".join(f"{name} {value:.2g} %" for name, value in off.items() if name in ("PCC", "PRB", "VC"))
@@ -174,10 +172,8 @@ def tendon_robot(_: Plan) -> list[Line]:
 
 
 def _alone(found: sn.answer.Equilibrium) -> float:
-    """Seconds of the search for an equilibrium, without laying out tables."""
-    began = time.thread_time()
-    run(found.robot, found._begin)
-    return time.thread_time() - began
+    """Least seconds of the search for an equilibrium, without laying out tables."""
+    return timed(run, found.robot, found._begin, runs=REPEATS, clock=thread_time)[1]
 
 
 def the_tendon_robot() -> sn.Robot:
@@ -370,11 +366,7 @@ def solves(sections: int, spheres: int, goal: float, plan: Plan) -> list[Line]:
     robot, scene = loaded_robot(sections), list(_balls(random, spheres))
     solver, targets = sn.Solver(robot, scene), list(_targets(random, robot, scene, count))
     solver.solve(targets[0])  # kernels are loaded
-    seconds, answers = [], []
-    for target in targets:
-        began = time.thread_time()
-        answers.append(solver.solve(target))
-        seconds.append(time.thread_time() - began)
+    answers, seconds = zip(*(timed(solver.solve, target, clock=thread_time) for target in targets), strict=True)
     answered = [(found, target) for found, target in zip(answers, targets, strict=True) if found.solved]
     solved, wrong = len(answered), sum(not found.verify().ok for found, _ in answered)
     errors = [_off(robot, found.q, target) for found, target in answered[:judged]]
@@ -443,7 +435,7 @@ def against_rods(robots: str, arcs: int, goal: float, plan: Plan) -> Iterator[Li
         if shape.stable and far < MOVED[robots]:
             moved.append(float(far))
             errors.append(100.0 * float(np.linalg.norm(_rod_tip(robot, q) - shape.tip[:3, 3])) / length)
-            seconds.append(min(_alone(shape) for _ in range(REPEATS)))
+            seconds.append(_alone(shape))
     what, times = f"{arcs} arcs a section: tip of a Cosserat rod off by", Times.of(seconds)
     note = f"{len(errors)} that loads move by {np.median(moved):.0f} % in the median, {max(moved):.0f} % at most"
     yield Line(robots, f"{what}, median", float(np.median(errors)), "%", note=note)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
 from benchmarks.places.parts import ball, solid
 from sinuous.base.checks import Floats
 from sinuous.cli.view import TURN
@@ -101,9 +101,7 @@ def files(_: Plan) -> Iterator[Line]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "motion.html"
         sn.show(motion, path=file)
-        began = time.perf_counter()
-        sn.show(motion, path=file)
-        seconds, size = time.perf_counter() - began, os.path.getsize(file)
+        seconds, size = timed(sn.show, motion, path=file)[1], os.path.getsize(file)
     yield Line(IN_FILES, "written in", seconds, "s", Goal(2.0))
     yield Line(IN_FILES, "size", size / 1e6, "MB", Goal(5.0))
 

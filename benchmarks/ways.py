@@ -9,13 +9,13 @@ from dataclasses import replace
 from functools import partial
 from statistics import fmean, median
 from time import thread_time
-from typing import Annotated, Any, NamedTuple, TypeVar
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
 
 import sinuous as sn
-from benchmarks.harness import Alone, Record, chosen, give, ignore_suspicions, in_processes, table
+from benchmarks.harness import Alone, Record, chosen, give, ignore_suspicions, in_processes, table, timed
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.judge import wrong_in
 from benchmarks.judges.kinematics import tip_poses
@@ -37,20 +37,18 @@ LIMIT = 1.0
 PATIENCE = 3.0
 """Budget of a solve on the clock, in units of that: the machine may be busy."""
 
-LOST, LONGER, LEAST = 0.01, 0.1, 2.0
-"""From which on a way moves a family: share of its places that is lost; growth of its 95 %, as a share, and in ms."""
-
-Answer = TypeVar("Answer")
+LOST, LONGER, LEAST = 0.01, 0.1, 2e-3
+"""From which on a way moves a family: share of its places that is lost; growth of its 95 %, as a share, and in s."""
 
 
 class Row(NamedTuple):
-    """One problem, in one way: whether it is solved, in time and right; whether a claim is false; and CPU time."""
+    """One problem, in one way: whether it is solved, in time and right; whether a claim is false; and CPU time, s."""
 
     family: str
     way: str
     solved: bool
     wrong: bool
-    milliseconds: float
+    seconds: float
 
 
 class Ways(NamedTuple):
@@ -61,14 +59,8 @@ class Ways(NamedTuple):
     against: Mapping[str, str]
 
 
-def timed(work: Callable[..., Answer], *arguments: Any, runs: int = 1) -> tuple[Answer, float]:
-    """Do something so often; return what came of it at last, and its milliseconds of CPU time of this thread."""
-    for _ in range(runs):
-        began = thread_time()
-        answer = work(*arguments)
-        spent = thread_time() - began
-    return answer, 1e3 * spent
-
+measured = partial(timed, clock=thread_time)
+"""By CPU time of the thread."""
 
 EVERYTHING = "everything"
 
@@ -85,11 +77,12 @@ def without_attempts(family: str, seed: int, count: int) -> Iterator[Row]:
 def _ablated(place: Place, way: str) -> tuple[Row, bool]:
     without = () if way == EVERYTHING else (way.removeprefix("without "),)
     solver = Solver(place.robot, place.scene, tolerance=place.tolerance, time=PATIENCE * LIMIT, without=without)
-    solution, spent = timed(solver.solve, place.targets, runs=2)
+    solver.solve(place.targets)
+    solution, spent = measured(solver.solve, place.targets)
     fine = solution.solved and right(place, solution.configuration)
-    solved = fine and spent <= 1e3 * LIMIT
+    solved = fine and spent <= LIMIT
     opened = solution.solved and solution.start != SOURCES[ROUTE] and solution.starts <= OPENING
-    return Row(place.family, way, solved, solution.solved and not fine, spent if solved else 1e3 * LIMIT), opened
+    return Row(place.family, way, solved, solution.solved and not fine, spent if solved else LIMIT), opened
 
 
 SHARE, TRACE = 0.5, 1e-6
@@ -120,12 +113,12 @@ def demanding(family: str, seed: int, count: int) -> Iterator[Row]:
             (way, Solver(own, place.scene, tolerance=place.tolerance, time=PATIENCE * LIMIT), least)
             for way, (own, least) in asked.items()
         ]
-        turns = [[timed(solver.solve, place.targets) for _, solver, _ in solvers] for _ in range(TURNS)]
+        turns = [[measured(solver.solve, place.targets) for _, solver, _ in solvers] for _ in range(TURNS)]
         for (way, _, least), found in zip(solvers, zip(*turns, strict=True), strict=True):
             solution, spent = found[0][0], min(spent for _, spent in found)
             fine = solution.solved and right(place, solution.q)
             fine = fine and least_clearance(robot, place.scene, solution.q[None])[0] >= least * (1.0 - 1e-9)
-            yield Row(family, way, fine and spent <= 1e3 * LIMIT, solution.solved and not fine, spent)
+            yield Row(family, way, fine and spent <= LIMIT, solution.solved and not fine, spent)
 
 
 SHORTEST, LONGEST = 1e-3, 0.5
@@ -165,7 +158,7 @@ def remembering(family: str, seed: int, count: int) -> Iterator[Row]:
         solver = sn.Solver(place.robot, place.scene, memory=memory, tolerance=place.tolerance)
         solver.solve(place.targets)
         for other in others:
-            solution, spent = timed(solver.solve, other.targets)
+            solution, spent = measured(solver.solve, other.targets)
             fine = solution.solved and right(other, solution.q)
             yield Row(family, way, fine, solution.solved and not fine, spent)
 
@@ -213,7 +206,7 @@ def exploring(family: str, seed: int, count: int) -> Iterator[Row]:
     for way, planner in zip(WAYS["explored"].against, (walker, plain), strict=True):
         planner.plan(start, goals[-1])  # what is kept of the memory is made by the first plan
         for goal in goals:
-            motion, spent = timed(planner.plan, start, goal)
+            motion, spent = measured(planner.plan, start, goal)
             wrong = motion.solved and bool(wrong_in(robot, scene, motion.q))
             yield Row(family, way, motion.solved and not wrong, wrong, spent)
 
@@ -253,10 +246,10 @@ def table_of(rows: Sequence[Row], against: Mapping[str, str], by_family: bool = 
         for way, found in own.items():
             if not found:
                 continue
-            spent = [row.milliseconds for row in found]
+            spent = [1e3 * row.seconds for row in found]
             times = [fmean(spent), *np.quantile(spent, [0.5, 0.95, 1.0]).tolist()]
             pairs = [(a, b) for a, b in zip(own[against[way]], found, strict=False) if a.solved and b.solved]
-            ratios = [b.milliseconds / a.milliseconds for a, b in pairs] or [np.nan]
+            ratios = [b.seconds / a.seconds for a, b in pairs] or [np.nan]
             moved = [_moved(each, rows, way, against[way]) for each in families] if family == "all" else []
             cell = [
                 family,
@@ -275,7 +268,7 @@ def _moved(family: str, rows: Sequence[Row], way: str, other: str) -> str:
     lost = sum(row.solved for row in without) - sum(row.solved for row in with_it)
     if lost > LOST * len(without):
         return f"{family} ({lost} lost)"
-    before, after = (float(np.quantile([row.milliseconds for row in own] or [0.0], 0.95)) for own in (without, with_it))
+    before, after = (float(np.quantile([row.seconds for row in own] or [0.0], 0.95)) for own in (without, with_it))
     return f"{family} (x {after / before:.1f})" if after - before > max(LEAST, LONGER * before) else ""
 
 

@@ -22,11 +22,10 @@ from numpy.random import Generator
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.harness import Line, Plan, in_processes
+from benchmarks.harness import Line, Plan, Trial, counted, in_processes, timed
 from benchmarks.judges.judge import samples, wrong_in
 from benchmarks.judges.kinematics import body_points, segment_ends
 from benchmarks.judges.self_collision import look
-from benchmarks.motion.p5 import Trial, counted
 from benchmarks.places.cells import WALL as WALLS
 from benchmarks.places.cells import Cell, cells_back_to_back, common_wall, in_frame
 from benchmarks.places.families import one_mesh
@@ -400,9 +399,8 @@ def make(family: str, seed: int) -> Hidden:
 def examine(place: tuple[str, int]) -> Trial:
     """Plan from where a hidden motion begins to where it ends, and judge the plan."""
     hidden = make(*place)
-    began = thread_time()
-    motion = sn.plan(hidden.robot, hidden.knots[0], hidden.knots[-1], hidden.scene, time=ON_CLOCK * SECONDS)
-    spent = thread_time() - began
+    asked = hidden.robot, hidden.knots[0], hidden.knots[-1], hidden.scene
+    motion, spent = timed(sn.plan, *asked, time=ON_CLOCK * SECONDS, clock=thread_time)
     wrong = wrong_in(hidden.robot, hidden.scene, motion.q) if motion.solved else ""
     return Trial(place[1], spent, str(motion.status), wrong)
 

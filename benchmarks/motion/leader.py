@@ -4,16 +4,16 @@ The curves are those of a published planner (sampling-based follow-the-leader mo
 moves freely: 0.000 % of tip deviation, 1.6 to 2.1 % of mean and 5 to 9.2 % of largest shape deviation, in seconds.
 """
 
-import time
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
+from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Plan, Times
+from benchmarks.harness import Goal, Line, Plan, Times, timed
 from benchmarks.judges.clearances import GRACE
 from benchmarks.judges.judge import overlap
 from benchmarks.judges.kinematics import body_places, body_points, moving
@@ -100,12 +100,9 @@ def lines_of(name: str, asked: Iterable[Led], repeats: int, goal: Goal | None = 
     """Lead arms so often, of which the least CPU time counts, and judge them."""
     seconds, found, proved, wrong = list[float](), list[tuple[float, float, float]](), 0, 0
     for led in asked:
-        spent = []
-        for _ in range(1 + repeats):
-            begin = time.process_time()
-            motion = sn.follow_the_leader(led.robot, led.points, led.scene)
-            spent.append(time.process_time() - begin)
-        seconds.append(min(spent))
+        given = led.robot, led.points, led.scene
+        motion, spent = timed(sn.follow_the_leader, *given, runs=1 + repeats, clock=process_time)
+        seconds.append(spent)
         proved += motion.solved
         body, q = _bodies(led.robot, motion)
         wrong += bool(motion.solved and overlap(body, led.scene, q, GRACE * body.mean_length))

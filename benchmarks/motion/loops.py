@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Plan, Times
+from benchmarks.harness import Goal, Line, Plan, Times, timed
 from benchmarks.judges.judge import overlap, too_fast, within_limits
 from sinuous.base.checks import Floats
 
@@ -86,12 +86,8 @@ def stepped(
     seconds, steps = list[float](), list[sn.answer.Step]()
     solver.step(q, np.zeros(twists.shape[1]), dt, rates=rates)  # kernels are loaded
     for twist in twists:
-        spent = []
-        for _ in range(REPEATS):
-            began = perf_counter()
-            step = solver.step(q, twist, dt, rates=rates)
-            spent.append(perf_counter() - began)
-        seconds.append(min(spent))
+        step, spent = timed(solver.step, q, twist, dt, rates=rates, runs=REPEATS)
+        seconds.append(spent)
         steps.append(step)
         q = step.q
     return seconds, steps

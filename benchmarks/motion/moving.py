@@ -7,16 +7,14 @@ share nothing with the kernels. Where no motion is found, nobody knows whether t
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from time import perf_counter
 
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Line, Plan
+from benchmarks.harness import Line, Plan, Trial, counted, timed
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import GRACE, Clearances
 from benchmarks.judges.judge import too_fast, wrong_at
-from benchmarks.motion.p5 import Trial, counted
 from sinuous.base.checks import Floats
 from sinuous.motion.plan import PlanArguments
 
@@ -58,10 +56,7 @@ def draw(seed: int) -> tuple[sn.Robot, sn.Scene, Floats, Floats]:
 def planned(seed: int, timing: PlanArguments) -> Trial:
     """Plan one motion, and judge it."""
     robot, scene, start, goal = draw(seed)
-    began = perf_counter()
-    asked: PlanArguments = {"time": SECONDS, **timing}
-    motion = sn.plan(robot, start, goal, scene, **asked)
-    seconds = perf_counter() - began
+    motion, seconds = timed(sn.plan, robot, start, goal, scene, time=SECONDS, **timing)
     wrong = judged(motion) if motion.solved else ""
     if motion.solved and "rates" in timing and too_fast(np.diff(motion.q, axis=0), np.diff(motion.times), BEND, LENGTH):
         wrong = "rates"
@@ -73,10 +68,8 @@ def tracked(seed: int) -> Trial:
     robot, scene, start, goal = draw(seed)
     ends = robot.tip(np.stack([start, goal]))[:, :3, 3]
     path = [sn.Target((1.0 - share) * ends[0] + share * ends[1]) for share in np.linspace(0.0, 1.0, 7)[1:]]
-    began = perf_counter()
-    times = DURATION * np.arange(1, 7) / 6.0
-    motion = sn.track(robot, path, scene, start=start, times=times, time=SECONDS, reconfigure="allow")
-    seconds = perf_counter() - began
+    track = partial(sn.track, start=start, times=DURATION * np.arange(1, 7) / 6.0, time=SECONDS, reconfigure="allow")
+    motion, seconds = timed(track, robot, path, scene)
     return Trial(seed, seconds, str(motion.status), judged(motion) if motion.solved else "")
 
 

@@ -6,18 +6,17 @@ are clear, with tips at least a tenth of the length apart. The body has a radius
 itself. Planners of OMPL (Sucan, Moll & Kavraki 2012) plan some pairs, over the same proofs of states and motions.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cache, partial
 from importlib.util import find_spec
 from statistics import median
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Plan, Times, in_processes
+from benchmarks.harness import Goal, Line, Plan, Times, Trial, counted, in_processes, refuted, timed
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import wrong_in
@@ -28,19 +27,15 @@ from sinuous.kernels.certificate.query import VERDICT
 from sinuous.solver.certificates.steps import Prover
 
 OTHER_PLANNERS = ("RRTConnect", "BITstar")
-"""Those to compare with; the second goes on to shorten the way until its time is over."""
+"""Those to compare with, where OMPL is there; the second goes on to shorten the way until its time is over."""
 
 
-def installed() -> bool:
-    """Whether OMPL is there; it has no wheels for every platform."""
-    return find_spec("ompl") is not None
-
-
-def plan_by(name: str, pair: "Pair", seconds: float) -> tuple[float, bool]:
-    """Return the time that a planner of OMPL took, and whether it found a way."""
+def plan_by(name: str, task: "Task") -> tuple[bool, float]:
+    """Return whether a planner of OMPL found a way, and the seconds that it took."""
     from ompl import base, geometric, util  # noqa: PLC0415
 
     util.setLogLevel(util.LogLevel.LOG_ERROR)
+    pair = task.pair
     n, prover = len(pair.start), Prover(pair.robot, pair.scene.snapshot())
     space, bounds = base.RealVectorStateSpace(2 * n), base.RealVectorBounds(2 * n)
     bounds.setLow(-np.pi)
@@ -65,9 +60,8 @@ def plan_by(name: str, pair: "Pair", seconds: float) -> tuple[float, bool]:
     information.setMotionValidator(Proof(information))
     setup.setStartAndGoalStates(*ends)
     setup.setPlanner(getattr(geometric, name)(information))
-    began = perf_counter()
-    setup.solve(seconds)
-    return perf_counter() - began, bool(setup.haveExactSolutionPath())
+    seconds = timed(setup.solve, PATIENCE)[1]
+    return bool(setup.haveExactSolutionPath()), seconds
 
 
 RADIUS = 0.05
@@ -107,7 +101,7 @@ class Pair(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A pair, whether the pose of the goal's tip is asked for, how many shortcuts, and whether others plan it, too."""
+    """A pair, whether the pose of the goal's tip is asked for, and how many shortcuts are tried."""
 
     segments: int
     density: int
@@ -115,24 +109,11 @@ class Task(NamedTuple):
     seed: int
     to_target: bool = False
     shortcuts: int = 0
-    compared: bool = False
 
-
-class Trial(NamedTuple):
-    """What came of a plan: number, seconds of the call, status, what a judge found wrong (or ""), and of others.
-
-    Of these: names, seconds, and whether they found a way.
-    """
-
-    number: int
-    seconds: float
-    status: str
-    wrong: str
-    others: tuple[tuple[str, float, bool], ...] = ()
-
-    def good(self, limit: float) -> bool:
-        """Whether it is called solved within the limit (s), and no judge objects."""
-        return self.status == "solved" and not self.wrong and self.seconds <= limit
+    @property
+    def pair(self) -> Pair:
+        """The pair."""
+        return draw(self.segments, self.density, self.number, self.seed)
 
 
 def draw(segments: int, density: int, number: int, seed: int) -> Pair:
@@ -172,15 +153,12 @@ def _states(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> tuple[Floats, F
 def examine(task: Task) -> Trial:
     """Draw a pair, plan the way from one to the other, and judge it."""
     _load(task.segments)
-    pair = draw(task.segments, task.density, task.number, task.seed)
+    pair = task.pair
     planner = sn.Planner(pair.robot, pair.scene, time=SECONDS, shortcuts=task.shortcuts)
     goal = pair.target if task.to_target else pair.goal
-    began = perf_counter()
-    motion = planner.plan(pair.start, goal)
-    seconds = perf_counter() - began
+    motion, seconds = timed(planner.plan, pair.start, goal)
     wrong = wrong_in(pair.robot, pair.scene, motion.q) if motion.solved else ""
-    others = tuple((name, *plan_by(name, pair, PATIENCE)) for name in OTHER_PLANNERS if task.compared)
-    return Trial(task.number, seconds, str(motion.status), wrong, others)
+    return Trial(task.number, seconds, str(motion.status), wrong)
 
 
 @cache
@@ -197,16 +175,18 @@ def measure(plan: Plan, segments: int, density: int, to_target: bool = False) ->
     """Plan all pairs of a kind."""
     what = f"{segments} segments, {density * segments**3} spheres, to a {'target' if to_target else 'configuration'}"
     plain = density == 1 and not to_target
-    compares = plain and segments in (3, 6) and installed()
-    tasks = [
-        Task(segments, density, i, plan.seed, to_target, compared=compares and i < COMPARED)
-        for i in range(plan.count(COUNT, QUICK))
-    ]
+    tasks = [Task(segments, density, i, plan.seed, to_target) for i in range(plan.count(COUNT, QUICK))]
     trials = list(in_processes(examine, tasks, alone=plan.quick))
     limit, share = (0.5, 98.0) if to_target else (1.0, 99.0) if segments == 8 else (0.1, 99.5) if plain else (1.0, 97.0)
     yield from lines_of(what, trials, limit, share)
+    for name in OTHER_PLANNERS if plain and segments in (3, 6) and find_spec("ompl") else ():
+        found, spent = zip(*in_processes(partial(plan_by, name), tasks[:COMPARED], alone=plan.quick), strict=True)
+        good, count = sum(found), len(found)
+        cut = f"the first {count} of {len(tasks)} pairs, {PATIENCE:g} s for each"
+        told = f"{name} of OMPL, {what}"
+        yield Line(OTHERS, told, 100.0 * good / count, "%", None, Times.of(spent), (good, count), cut)
     if plain:
-        tasks = [task._replace(shortcuts=10, compared=False) for task in tasks]
+        tasks = [task._replace(shortcuts=10) for task in tasks]
         shorter = list(in_processes(examine, tasks, alone=plan.quick))
         yield Line(SHORTENED, what, median(trial.seconds for trial in shorter), "ms")
         yield refuted(FALSE, what + ", shortened", shorter)
@@ -217,30 +197,6 @@ def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iter
     times = Times.of([trial.seconds for trial in trials])
     yield from counted(PLANNED, FALSE, what, trials, limit, share)
     yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None)
-    for name in OTHER_PLANNERS:
-        others = [other for trial in trials for other in trial.others if other[0] == name]
-        if others:
-            found, spent = sum(solved for *_, solved in others), Times.of([seconds for _, seconds, _ in others])
-            cut = f"the first {len(others)} of {len(trials)} pairs, {PATIENCE:g} s for each"
-            told = f"{name} of OMPL, {what}"
-            yield Line(OTHERS, told, 100.0 * found / len(others), "%", None, spent, (found, len(others)), cut)
-
-
-def counted(
-    planned: str, false: str, what: str, trials: Sequence[Trial], limit: float, share: float | None = None
-) -> Iterator[Line]:
-    """Count what is planned within the limit (s), of which a share (%) may be wanted, and what a judge refutes."""
-    missed = ", ".join(f"{trial.number} ({trial.status})" for trial in trials if not trial.good(limit))
-    good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
-    times, note = Times.of([trial.seconds for trial in trials]), f"not within {limit:g} s: {missed}" if missed else ""
-    yield Line(planned, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
-    yield refuted(false, what, trials)
-
-
-def refuted(false: str, what: str, trials: Sequence[Trial]) -> Line:
-    """Count what a judge refutes."""
-    wrong = [f"{trial.number} ({trial.wrong})" for trial in trials if trial.wrong]
-    return Line(false, what, len(wrong), "", Goal(0, correctness=True), note=", ".join(wrong))
 
 
 PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, Times, in_processes
+from benchmarks.harness import Goal, Line, Part, Plan, Times, in_processes, timed
 from benchmarks.judges.judge import wrong_in
 from benchmarks.judges.kinematics import tip_poses
 from sinuous.base.checks import Floats
@@ -153,9 +153,7 @@ def follow(item: tuple[str, int, bool]) -> Followed:
     robot, path, scene = draw(*item)
     sn.track(robot, path[:2], scene)  # compiled, or loaded
     plain = sn.track(robot, path, scene, reconfigure="allow")
-    begun = process_time()
-    motion = sn.track(robot, path, scene)
-    seconds = process_time() - begun
+    motion, seconds = timed(sn.track, robot, path, scene, clock=process_time)
     left = plain.solved and bool(plain.left_steps)
     status = "left_path" if left else str(plain.status)
     off, turned = judged(motion) if motion.solved else (0.0, 0.0)

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Plan, Times
+from benchmarks.harness import Goal, Line, Plan, Times, timed
 from benchmarks.problems import ProblemSet, arm, reachable, relative_tolerance
 from sinuous.base.checks import Floats
 from sinuous.kernels.chain import batch
@@ -128,9 +128,7 @@ def by_ipopt(problems: ProblemSet, equalities: bool = False) -> Solve:
 
     def solve(target: sn.Target) -> tuple[Floats, float]:
         start, asked = start_of(robot, target), np.concatenate([np.array(target.position), np.array(target.direction)])
-        began = perf_counter()
-        answer = run(x0=start, p=asked, **limits)
-        seconds = perf_counter() - began
+        answer, seconds = timed(run, x0=start, p=asked, **limits)
         return np.array(answer["x"]).reshape(-1, 3), seconds
 
     return solve
@@ -154,9 +152,8 @@ def ours(problems: ProblemSet) -> Solve:
     solver = sn.Solver(problems.robot, tolerance=problems.tolerance)
 
     def solve(target: sn.Target) -> tuple[Floats, float]:
-        began = perf_counter()
-        q = solver.solve(target).q
-        return q, perf_counter() - began
+        solution, seconds = timed(solver.solve, target)
+        return solution.q, seconds
 
     return solve
 

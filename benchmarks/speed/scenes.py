@@ -9,13 +9,13 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from operator import itemgetter
-from time import perf_counter, process_time
+from time import process_time
 from unittest.mock import patch
 
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Plan
+from benchmarks.harness import Goal, Line, Plan, timed
 from benchmarks.places.parts import Surface, ball, solid
 from benchmarks.problems import arm, reachable
 from benchmarks.speed.solves import solve_all
@@ -35,18 +35,12 @@ def measure_meshes(plan: Plan) -> Iterator[Line]:
         sn.Scene([solid(ball(np.zeros(3), 1.0, 18), "ball")]).prepare()  # loads the kernels, or compiles them
         scene = sn.Scene([solid(surface, "ball")])
         what = f"a mesh of {len(surface.faces)} triangles"
-        seconds = _seconds(scene)
+        seconds = timed(scene.prepare)[1]
         note = f"{scene.memory / 1e6:.0f} MB"
         yield Line(MESHES, f"{what}, sampled", seconds, "s", Goal(10.0), note=note)
-        seconds = _seconds(sn.Scene([solid(surface, "ball")]))
+        seconds = timed(sn.Scene([solid(surface, "ball")]).prepare)[1]
         yield Line(MESHES, f"{what}, samples from disk", seconds, "s", Goal(1.0))
         yield from _beside(plan, surface)
-
-
-def _seconds(scene: sn.Scene) -> float:
-    began = perf_counter()
-    scene.prepare()
-    return perf_counter() - began
 
 
 def _beside(plan: Plan, surface: Surface) -> Iterator[Line]:
@@ -115,9 +109,7 @@ def _scene(make: Make, count: int, rng: np.random.Generator) -> tuple[sn.Scene, 
     places, ways = count ** (1.0 / 3.0) * (rng.random((count, 3)) - 0.5), rng.normal(size=(count, 3))
     ways /= np.linalg.norm(ways, axis=1)[:, None]
     scene = sn.Scene([make(place, way) for place, way in zip(places, ways, strict=True)])
-    began = process_time()
-    scene.prepare()
-    return scene, process_time() - began
+    return scene, timed(scene.prepare, clock=process_time)[1]
 
 
 def _asked(scene: sn.Scene, count: int, rng: np.random.Generator) -> float:
@@ -125,27 +117,16 @@ def _asked(scene: sn.Scene, count: int, rng: np.random.Generator) -> float:
     side = 0.5 * min(count, COUNTS[0]) ** (1.0 / 3.0)
     points = np.clip(np.cumsum(STEP * rng.normal(size=(POINTS, 3)), axis=0), -side, side)
     scene.gradient(points[:1])
-    spent = []
-    for _ in range(ROUNDS):
-        began = process_time()
-        scene.gradient(points)
-        spent.append(process_time() - began)
-    return min(spent) / POINTS
+    return timed(scene.gradient, points, runs=ROUNDS, clock=process_time)[1] / POINTS
 
 
 def _listed(scene: sn.Scene, count: int, rng: np.random.Generator) -> tuple[float, float]:
     """Return how long cells about the middle took, as a hard solve has them made, and what a distance costs then."""
-    began = process_time()
-    scene.snapshot().list_near(np.zeros(3), REACH, THICKNESS)
-    return process_time() - began, _asked(scene, count, rng)
+    listed = timed(scene.snapshot().list_near, np.zeros(3), REACH, THICKNESS, clock=process_time)[1]
+    return listed, _asked(scene, count, rng)
 
 
 def _moved(scene: sn.Scene, plan: Plan) -> float:
     """Return the median time to move the first part."""
-    rng, spent = plan.rng(23), []
-    for _ in range(20):
-        place = rng.normal(size=3)
-        began = process_time()
-        scene.move(scene.name(0), place)
-        spent.append(process_time() - began)
-    return float(np.median(spent))
+    places, name = plan.rng(23).normal(size=(20, 3)), scene.name(0)
+    return float(np.median([timed(scene.move, name, place, clock=process_time)[1] for place in places]))

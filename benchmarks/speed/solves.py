@@ -6,13 +6,12 @@ robots among all kinds of obstacles, possible and not, of which claims are judge
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.harness import Goal, Line, Plan, Times, in_processes
+from benchmarks.harness import Goal, Line, Plan, Times, in_processes, timed
 from benchmarks.judges.judge import Flags, within_limits
 from benchmarks.problems import ProblemSet, among_spheres, arm, clutter, full_poses, reachable, relative_tolerance
 from sinuous.base.checks import Floats
@@ -65,14 +64,8 @@ def solve_all(problems: ProblemSet) -> Answers:
     """Solve every problem from cold, through `Solver.solve`, with the defaults of a user."""
     solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
     solver.solve(problems.targets[0])
-    q, seconds, claimed = [], [], []
-    for target in problems.targets:
-        began = perf_counter()
-        solution = solver.solve(target)
-        seconds.append(perf_counter() - began)
-        q.append(solution.q)
-        claimed.append(solution.solved)
-    said, found = np.array(claimed), np.array(q)
+    solutions, seconds = zip(*(timed(solver.solve, target) for target in problems.targets), strict=True)
+    said, found = (np.array([getattr(solution, name) for solution in solutions]) for name in ("solved", "q"))
     return Answers(found, np.array(seconds), said, said & problems.right(found))
 
 
@@ -141,10 +134,8 @@ def _in_loop(problems: ProblemSet) -> tuple[Floats, Flags]:
     solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
     seconds, solved = [], []
     for target in [problems.targets[0], *problems.targets]:  # the first once more: it loads or compiles
-        arguments = solver._first_call(target).arguments
-        began = perf_counter()
-        status = repeat(LOOP, *arguments)
-        seconds.append((perf_counter() - began) / LOOP)
+        status, spent = timed(repeat, LOOP, *solver._first_call(target).arguments)
+        seconds.append(spent / LOOP)
         solved.append(status == SOLVED)
     q = np.array([solver.solve(target).q for target in problems.targets])
     return np.array(seconds[1:]), np.array(solved[1:]) & problems.right(q)

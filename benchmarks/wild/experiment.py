@@ -10,14 +10,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times
+from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, timed
 from benchmarks.judges.clearances import GRACE, Clearances
 from benchmarks.judges.judge import (
     IMPOSSIBLE,
@@ -76,30 +75,28 @@ class Trial:
         return self.status == sn.Status.SOLVED and not self.false
 
 
-def solutions_of(world: World) -> tuple[list[sn.Solution | Exception], list[float]]:
-    """Solve all problems, one by one, with the defaults of a user; how long each took, in seconds."""
+def solutions_of(world: World) -> list[tuple[sn.Solution | Exception, float]]:
+    """Solve all problems, one by one, with the defaults of a user; and how long each took, in seconds."""
     solver = sn.Solver(world.robot, world.scene, tolerance=world.tolerance, time=world.time)
-    solutions: list[sn.Solution | Exception] = []
-    seconds = []
-    for targets in world.targets:
-        began = perf_counter()
+
+    def solve(targets: list[sn.Target]) -> sn.Solution | Exception:
         try:
-            solutions.append(solver.solve(targets))
+            return solver.solve(targets)
         except Exception as error:  # whatever it is, it is counted
-            solutions.append(error)
-        seconds.append(perf_counter() - began)
-    return solutions, seconds
+            return error
+
+    return [timed(solve, targets) for targets in world.targets]
 
 
 def examine(world: World) -> list[Trial]:
     """Solve all problems of a world, and judge all claims."""
-    found, seconds = solutions_of(world)
-    false = refuted(world, {i: each for i, each in enumerate(found) if isinstance(each, sn.Solution)})
+    found = solutions_of(world)
+    false = refuted(world, {i: each for i, (each, _) in enumerate(found) if isinstance(each, sn.Solution)})
     return [
-        Trial(str(each.status), seconds[i], false[i])
-        if isinstance(each, sn.Solution)
-        else Trial(EXCEPTION, seconds[i], (EXCEPTION,))
-        for i, each in enumerate(found)
+        Trial(EXCEPTION, spent, (EXCEPTION,))
+        if isinstance(each, Exception)
+        else Trial(str(each.status), spent, false[i])
+        for i, (each, spent) in enumerate(found)
     ]
 
 
@@ -211,7 +208,7 @@ WAYPOINTS, BUDGET = 8, 0.2
 """Waypoints of a path in a live scene, and seconds for each."""
 
 
-def timed(seed: int, number: int) -> Judged:
+def timed_motion(seed: int, number: int) -> Judged:
     """Time a motion between hidden shapes of a world, in units of 1e-9 to 1e9, and look at the whole trajectory."""
     world, rng = worlds.units(seed, number), np.random.default_rng([seed, 17, number])
     shapes = world.hidden[:3]
@@ -326,7 +323,7 @@ def strained(seed: int, number: int) -> World:
 
 
 KINDS: dict[str, Callable[[int, int], Judged]] = {
-    "timed in units from 1e-9 to 1e9": timed,
+    "timed in units from 1e-9 to 1e9": timed_motion,
     "tracked in a live scene": live,
     "ticks of a control loop in a live scene": partial(ticks, strained),
     "plans between hidden shapes": partial(planned, strained),

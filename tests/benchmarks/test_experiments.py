@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks import clutter, derivatives, methods, ways
+from benchmarks import clutter, derivatives, harness, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
 from benchmarks.clutter import Trial, examine
 from benchmarks.harness import Line, Plan, conduct
@@ -158,13 +158,13 @@ def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_wrong_and_late_plans_count_as_such() -> None:
-    right = p5.Trial(0, 1e-4, "solved", "")
+    right = harness.Trial(0, 1e-4, "solved", "")
     assert pickle.loads(pickle.dumps(right)) == right  # from one process to another
     made = [right, right._replace(wrong="overlap"), right._replace(seconds=0.2), right._replace(status="time_limit")]
     lines = {line.section: line for line in p5.lines_of("here", made, 0.1, 99.5)}
     assert (lines[p5.PLANNED].reached, lines[p5.FALSE].reached, lines[p5.FALSE].held) == (25.0, 1, False)
-    late = [p5.Trial(0, 1.0, "solved", ""), p5.Trial(1, 6.0, "solved", "overlap")]
-    planned, false = p5.counted("planned", "false", "x", late, 5.0)
+    late = [harness.Trial(0, 1.0, "solved", ""), harness.Trial(1, 6.0, "solved", "overlap")]
+    planned, false = harness.counted("planned", "false", "x", late, 5.0)
     assert (planned.reached, false.reached) == (50.0, 1)
 
 

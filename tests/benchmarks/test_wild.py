@@ -43,7 +43,7 @@ def world(obstacles: list[Any], tolerance: float = 1e-6) -> World:
 
 @pytest.fixture(scope="module")
 def solution() -> sn.Solution:
-    (found,), _ = solutions_of(world(BESIDE))
+    ((found, _),) = solutions_of(world(BESIDE))
     assert isinstance(found, sn.Solution)
     assert found.solved
     return found
@@ -145,10 +145,10 @@ def test_a_proof_of_a_motion_that_is_none_is_found_out(kind: str, monkeypatch: p
 
 
 def test_a_trajectory_that_leaves_its_limits_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    number = next(number for number in range(20) if experiment.timed(0, number) == Judged(True, ""))
+    number = next(number for number in range(20) if experiment.timed_motion(0, number) == Judged(True, ""))
     at = sn.Trajectory.at
     monkeypatch.setattr(sn.Trajectory, "at", lambda self, t: at(self, t) * [1.0, 1.0, 1.0 + 1e-6])
-    assert experiment.timed(0, number).false in ("limits", "rates")
+    assert experiment.timed_motion(0, number).false in ("limits", "rates")
 
 
 def test_the_loaded_body_is_judged() -> None:

@@ -63,7 +63,7 @@ def test_parts_are_those_that_a_pattern_fits(name: str, pattern: str, first: str
         (["table1", "--seed", "-1"], "--seed"),
         (["clutter", "--piece", "labyrinth"], "--piece"),
         (["speed", "--fast"], "--fast: unknown option"),
-        ([], "Missing argument 'NAME'"),
+        ([], "NAME: missing"),
     ],
 )
 def test_what_cannot_be_meant_is_said_in_one_line(

@@ -13,8 +13,8 @@ import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
-from sinuous.measures.statics import lacking_stretch, pulls
-from sinuous.statics.rest import Rest, Way
+from sinuous.measures.statics import lacking_stretch
+from tests.motion.test_tension_limits import most_pulled
 
 ROBOTS = ("free", "elastic", "loaded")
 SLACK = 1e-9
@@ -209,13 +209,14 @@ def excesses(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
     robot, unit = asked.robot, asked.robot.mean_length
     pairs = list(pairwise(way.q)) if way.claimed and len(way.q) > 1 else [(q, q) for q in way.q]
     for one, other in pairs[:: max(1, len(pairs) // MOST)]:
-        for share in LOOKS if one is not other else (0.0,):
-            q = (1.0 - share) * one + share * other
+        shares = LOOKS if one is not other else LOOKS[:1]
+        shapes = [(1.0 - share) * one + share * other for share in shares]
+        for q in shapes:
             yield from ((name, amount / size) for name, amount, size in _of_shape(robot, q, unit))
-            if robot.drive.elastic is not None:
-                yield "tension", lacking_stretch(robot, q) / unit
+        if robot.drive.elastic is not None:
+            yield "tension", lacking_stretch(robot, np.array(shapes)) / unit
         if robot.has_external_load and robot.limit_set.tension_rows is not None:
-            yield "tension under load", _pulled(robot, one, other) / 30.0 - 1.0
+            yield "tension under load", most_pulled(robot, np.stack([one, other]), len(LOOKS)) / 30.0 - 1.0
 
 
 def _of_shape(robot: sn.Robot, q: Floats, unit: float) -> Iterator[tuple[str, float, float]]:
@@ -242,13 +243,6 @@ def _of_shape(robot: sn.Robot, q: Floats, unit: float) -> Iterator[tuple[str, fl
                 pulled = segment.tendons.radius * float(q[: k + 1, :2].sum(axis=0) @ [np.cos(angle), np.sin(angle)])
                 low, high = segment.tendons.displacement
                 yield "actuator", max(low - pulled, pulled - high), unit
-
-
-def _pulled(robot: sn.Robot, one: Floats, other: Floats) -> float:
-    """The greatest tension of the loaded body on the way between two drives."""
-    way = Way(Rest(robot, np.array(one)), Rest(robot, np.array(other)))
-    rests = [way.rest(share) for share in LOOKS.tolist()]
-    return max(float(np.nanmax(pulls(robot, each.q, each.found[0], each.displacements))) for each in rests)
 
 
 def speeds(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:

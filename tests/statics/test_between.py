@@ -125,14 +125,13 @@ def test_the_judge_finds_the_least_energy_that_scipy_finds(kind: str) -> None:
     robot = arm(stiffness, **more).changed(arcs=2)
     states, q = robot.shape(Q).states, Q
     own = body_of(robot)
-    there = robot.drive.displacements(q) + robot.drive.stretch(q) if len(robot.drive) else None
     gives = np.isfinite(own.stiffness[own.owners][:, [0, 0, 1, 2]])
 
     def energies(moved: Floats) -> Floats:
         changed = np.repeat(states[None], len(moved), axis=0)
         changed[:, gives] += 1e-2 * moved
-        total, long = _energy(robot, own, q, changed)
-        pulls = np.array([_tensions(own, q, each, there) for each in long])
+        total, long = (each[0] for each in _energy(robot, own, q[None], changed[None]))
+        pulls = _tensions(robot, own, q[None], long, None)
         return np.asarray(1e4 * (total + 0.5 * pulls**2 @ own.lines.compliance))
 
     def energy(moved: Floats) -> tuple[float, Floats]:

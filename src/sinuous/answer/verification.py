@@ -187,7 +187,7 @@ def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verific
     q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
     when = times[0] + shares * (times[1] - times[0])
     found = _seen(robot, ends, robot, q, robot.labels, scene, when)
-    return replace(found, ok=found.ok and all(_held(robot, one) for one in q))
+    return replace(found, ok=found.ok and _held(robot, q))
 
 
 def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
@@ -199,11 +199,13 @@ def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> 
     shares, way = shares_between(body, one.arcs, other.arcs), Way(one, other)
     rests = [one, *map(way.rest, shares[1:-1].tolist()), other]
     shapes = [each for each in rests if each.states is not None]
-    off = max(imbalance(robot, each.q, each.found[0], each.displacements) for each in shapes)
+    drives = np.stack([each.q for each in shapes]), np.stack([each.found[0] for each in shapes])
+    moved = [each.displacements for each in shapes if each.displacements is not None]
+    displaced = np.stack(moved) if moved else None
+    off = imbalance(robot, *drives, displaced)
     when = times[0] + shares[[each.states is not None for each in rests]] * (times[1] - times[0])
     found = _seen(robot, ends, body, np.stack([each.arcs for each in shapes]), owners, scene, when)
-    tensions = [pulls(robot, each.q, each.found[0], each.displacements) for each in shapes]
-    held = not any(map(robot.limit_set.tension_violations, tensions))
+    held = not any(map(robot.limit_set.tension_violations, pulls(robot, *drives, displaced)))
     at_rest = len(shapes) == len(rests) and off <= AT_REST * robot.mean_length
     return replace(found, ok=found.ok and at_rest and held)
 
@@ -234,7 +236,7 @@ def _within_limits(robot: Robot, q: Floats) -> bool:
 
 
 def _held(robot: Robot, q: Floats) -> bool:
-    """Whether tensions within their limits hold a shape (n, 3) without load."""
+    """Whether tensions within their limits hold shapes (..., n, 3) without load."""
     return robot.limit_set.tension_rows is None or lacking_stretch(robot, q) <= LIMIT_SLACK * robot.mean_length
 
 

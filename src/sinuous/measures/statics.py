@@ -9,6 +9,7 @@ to be. Arms, moments and displacements are written out from the segments once mo
 """
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -29,70 +30,75 @@ NODES, SHARES = np.polynomial.legendre.leggauss(6)
 def imbalance(robot: Robot, q: Floats, states: Floats, displacements: Floats | None = None) -> float:
     """Return how far the tip is from a shape at rest, about: what moments and forces that are left bend the body by.
 
+    Of many shapes it is the largest.
+
     Parameters
     ----------
-    q : ndarray (n, 3)
+    q : ndarray (..., n, 3)
         The drive.
-    states : ndarray (N, 4)
+    states : ndarray (..., N, 4)
         Bends, twist and length of every arc.
-    displacements : ndarray (m,), optional
+    displacements : ndarray (..., m), optional
         Of the actuators; by default those that belong to `q`.
     """
     own = body_of(robot)
-    if displacements is None and len(robot.drive):
-        displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
-    length = (q[:, 2] / own.counts)[own.owners]
-    stiffness = own.stiffness[own.owners] / np.maximum(length, 1e-300)[:, None]
-    columns = stiffness[:, [0, 0, 1, 2]]
-    gives = np.isfinite(columns)
-    steps = np.array([DIFFERENCE] * 3 + [1.0]) * np.where([[False] * 3 + [True]], DIFFERENCE * length[:, None], 1.0)
-    moves = np.zeros((states.size, *states.shape))
-    moves.reshape(states.size, -1)[np.arange(states.size), np.arange(states.size)] = steps.ravel()
-    moves = moves[gives.ravel()]
-    (ahead, longer), (back, shorter) = (_energy(robot, own, q, states + sign * moves) for sign in (1.0, -1.0))
-    pulls = _tensions(own, q, _energy(robot, own, q, states[None])[1][0], displacements)
-    left = np.zeros(states.size)
-    left[gives.ravel()] = (ahead - back + (longer - shorter) @ pulls) / (2.0 * steps.ravel()[gives.ravel()])
-    off = left.reshape(states.shape) / np.where(gives, columns, np.inf)
-    levers = np.cumsum(states[::-1, 3])[::-1]
-    return float(np.abs(off[:, :3]).sum(axis=1) @ levers + np.abs(off[:, 3]).sum())
+    q, states = q.reshape(-1, len(robot), 3), states.reshape(-1, len(own.owners), 4)
+    length = (q[..., 2] / own.counts)[:, own.owners]
+    columns = (own.stiffness[own.owners] / np.maximum(length, 1e-300)[..., None])[..., [0, 0, 1, 2]]
+    give = np.flatnonzero(np.isfinite(own.stiffness[own.owners][:, [0, 0, 1, 2]]))
+    steps = np.full(states.shape, DIFFERENCE)
+    steps[..., 3] *= length
+    steps = steps.reshape(len(q), -1)[:, give]
+    moves = np.zeros((len(q), len(give), states[0].size))
+    moves[:, np.arange(len(give)), give] = steps
+    moves = moves.reshape(len(q), len(give), *states.shape[1:])
+    around = np.concatenate([moves, -moves, np.zeros((len(q), 1, *states.shape[1:]))], axis=1) + states[:, None]
+    energies, lengths = _energy(robot, own, q, around)
+    (ahead, back), (longer, shorter) = (np.split(each[:, :-1], 2, axis=1) for each in (energies, lengths))
+    pulls = _tensions(robot, own, q, lengths[:, -1], displacements)
+    left = np.zeros((len(q), states[0].size))
+    left[:, give] = (ahead - back + ((longer - shorter) @ pulls[..., None])[..., 0]) / (2.0 * steps)
+    off = np.abs(left.reshape(states.shape) / columns)
+    levers = np.cumsum(states[:, ::-1, 3], axis=1)[:, ::-1]
+    return float(((off[..., :3].sum(axis=-1) * levers).sum(axis=-1) + off[..., 3].sum(axis=-1)).max())
 
 
 def pulls(robot: Robot, q: Floats, states: Floats, displacements: Floats | None = None) -> Floats:
-    """Return the tensions (m,) of all actuators in a state; NaN of those that are no lines through what gives.
+    """Return the tensions (..., m) of all actuators in states; NaN of those that are no lines through what gives.
 
     Parameters are those of `imbalance`.
     """
-    own = body_of(robot)
-    if displacements is None and len(robot.drive):
-        displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
-    result = np.full(len(robot.drive), np.nan)
-    result[own.lines.actuators] = _tensions(own, q, _energy(robot, own, q, states[None])[1][0], displacements)
-    return result
+    own, shapes = body_of(robot), q.reshape(-1, len(robot), 3)
+    _, lengths = _energy(robot, own, shapes, states.reshape(len(shapes), 1, -1, 4))
+    result = np.full((len(shapes), len(robot.drive)), np.nan)
+    result[:, own.lines.actuators] = _tensions(robot, own, shapes, lengths[:, 0], displacements)
+    return result.reshape(*q.shape[:-2], -1)
 
 
 def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats, Floats]:
-    """Potential energies (b,) of states (b, N, 4), without that of lines, and the lengths (b, t) of these."""
-    lines, length = own.lines, (q[:, 2] / own.counts)[own.owners]
+    """Potential energies (T, b) of states (T, b, N, 4), without that of lines, and the lengths (T, b, t) of these."""
+    lines, length = own.lines, (q[..., 2] / own.counts)[:, own.owners]
     bends, twists, extents = states[..., :2], states[..., 2], states[..., 3]
-    shares = 0.5 * (1.0 + NODES[:, None, None])
+    shares = 0.5 * (1.0 + NODES[:, None, None, None])
     centers = np.tensordot(0.5 * SHARES, _ends(shares[..., None] * bends, shares * extents), 1)
     turns, ends = _turns(bends) @ _roll(twists), _ends(bends, extents)
     gravity = np.zeros(3) if robot.gravity is None else robot.gravity
-    rotation, place = np.broadcast_to(robot.base[:3, :3], (len(states), 3, 3)), robot.base[:3, 3]
-    total = _strain(own, q, states, length)
-    long = np.zeros((len(states), len(lines.actuators)))
+    rotation, place = np.broadcast_to(robot.base[:3, :3], (*states.shape[:2], 3, 3)), robot.base[:3, 3]
+    total = _strain(own, q, states, length[:, None])
+    long = np.zeros((*states.shape[:2], len(lines.actuators)))
     for k, segment in enumerate(own.owners):
-        total = total - length[k] * ((place + _turned(rotation, centers[:, k])) @ own.weights[segment])
-        holes = place[..., None, :] + np.einsum("bij,lj->bli", rotation, _across(lines.arms))
-        place = place + _turned(rotation, ends[:, k])
-        rotation = rotation @ turns[:, k]
+        weights = (place + _turned(rotation, centers[..., k, :])) @ own.weights[segment]
+        total = total - length[:, k, None] * weights
+        holes = place[..., None, :] + np.einsum("tbij,lj->tbli", rotation, _across(lines.arms))
+        place = place + _turned(rotation, ends[..., k, :])
+        rotation = rotation @ turns[..., k, :, :]
         if len(lines.actuators):
-            there = place[..., None, :] + np.einsum("bij,lj->bli", rotation, _across(lines.arms))
+            there = place[..., None, :] + np.einsum("tbij,lj->tbli", rotation, _across(lines.arms))
             through = (lines.sections[:, 0] <= segment) & (segment <= lines.sections[:, 1])
-            half = np.einsum("bij,lj->bli", _roll(0.5 * twists[:, k])[:, :2, :2], lines.arms)
-            aside = np.square(lines.arms).sum(axis=1) * twists[:, k, None] ** 2
-            along = np.sqrt((extents[:, k, None] - np.einsum("bi,bli->bl", bends[:, k], half)) ** 2 + aside)
+            half = np.einsum("tbij,lj->tbli", _roll(0.5 * twists[..., k])[..., :2, :2], lines.arms)
+            aside = np.square(lines.arms).sum(axis=1) * twists[..., k, None] ** 2
+            bent = np.einsum("tbi,tbli->tbl", bends[..., k, :], half)
+            along = np.sqrt((extents[..., k, None] - bent) ** 2 + aside)
             chord = np.linalg.norm(there - holes, axis=-1)
             long += np.where(through, np.where(lines.straight, chord, along), 0.0)
         if k == own.ends[segment]:
@@ -106,32 +112,31 @@ def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats,
 
 
 def _strain(own: Body, q: Floats, states: Floats, length: Floats) -> Floats:
-    """Energy (b,) of bending, twisting and stretching arcs (N,) of such lengths; what is rigid has none."""
+    """Energy (T, b) of bending, twisting and stretching arcs of lengths (T, 1, N); what is rigid has none."""
     stiffness = own.stiffness[own.owners]
-    bend, twist, stretch = (np.where(np.isfinite(stiffness), stiffness, 0.0) / np.maximum(length, 1e-300)[:, None]).T
-    rest = np.where(own.pulled[:, None], own.rest, q[:, :2]) / own.counts[:, None]
-    bent = states[..., :2] - _turned(_roll(0.5 * states[..., 2])[..., :2, :2], rest[own.owners])
-    return 0.5 * (
-        np.square(bent).sum(axis=-1) @ bend + states[..., 2] ** 2 @ twist + (states[..., 3] - length) ** 2 @ stretch
-    )
+    gives = np.where(np.isfinite(stiffness), stiffness, 0.0) / np.maximum(length, 1e-300)[..., None]
+    rest = np.where(own.pulled[:, None], own.rest, q[..., :2]) / own.counts[:, None]
+    bent = states[..., :2] - _turned(_roll(0.5 * states[..., 2])[..., :2, :2], rest[:, None, own.owners])
+    moved = [np.square(bent).sum(axis=-1), states[..., 2] ** 2, (states[..., 3] - length) ** 2]
+    return 0.5 * (np.stack(moved, axis=-1) * gives).sum(axis=(-2, -1))
 
 
-def _tensions(own: Body, q: Floats, long: Floats, displacements: Floats | None) -> Floats:
-    """Tensions (t,) of lines of these lengths (t,)."""
+def _tensions(robot: Robot, own: Body, q: Floats, long: Floats, displacements: Floats | None) -> Floats:
+    """Tensions (T, t) of lines of these lengths (T, t)."""
     lines = own.lines
-    if displacements is None or not len(lines.actuators):
-        return np.zeros(len(long))
-    reaches = np.append(0.0, np.cumsum(q[:, 2]))
-    moved, reach = displacements[lines.actuators], reaches[lines.sections[:, 1] + 1] - reaches[lines.sections[:, 0]]
-    held = np.where(lines.pushes, moved, reach - moved)
+    if not len(lines.actuators):
+        return np.zeros(long.shape)
+    if displacements is None:
+        displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
+    reaches = np.pad(np.cumsum(q[..., 2], axis=1), ((0, 0), (1, 0)))
+    moved = displacements.reshape(len(q), -1)[:, lines.actuators]
+    held = np.where(lines.pushes, moved, np.subtract(*(reaches[:, lines.sections[:, i] + i] for i in (1, 0))) - moved)
     if lines.straight.any():  # holes lie on chords of the arcs that nothing loads
-        even = [(x, y, 0.0, z) for (x, y, z), count in zip(q, own.counts, strict=True) for _ in range(count)]
-        arcs = np.array(even) / own.counts[own.owners][:, None]
+        arcs = q[:, own.owners] / own.counts[own.owners][:, None]
         for i in np.flatnonzero(lines.straight):
-            through = (lines.sections[i, 0] <= own.owners) & (own.owners <= lines.sections[i, 1])
-            along = arcs[through, 3] - arcs[through, :2] @ lines.arms[i]
-            half = 0.5 * np.hypot(arcs[through, 0], arcs[through, 1])
-            held[i] += float((along * (np.sinc(half / np.pi) - 1.0)).sum())
+            x, y, length = arcs[:, (lines.sections[i, 0] <= own.owners) & (own.owners <= lines.sections[i, 1])].T
+            along = length - x * lines.arms[i, 0] - y * lines.arms[i, 1]
+            held[:, i] += (along * (np.sinc(0.5 * np.hypot(x, y) / np.pi) - 1.0)).sum(axis=0)
     over = long - held
     return np.where(lines.pushes, over, np.maximum(over, 0.0)) / lines.compliance
 
@@ -188,17 +193,19 @@ ROUNDING = 1e-9
 
 
 def lacking_stretch(robot: Robot, q: Floats) -> float:
-    """Return by how much limits of tensions and displacements would have to be wider for a shape (n, 3) to be held.
+    """Return by how much limits of tensions and displacements would have to be wider for shapes (..., n, 3) to be held.
 
-    In the length unit: by how much lines would be stretched. 0 where tensions within them hold it; infinite where no
-    tensions do.
+    In the length unit: by how much lines would be stretched. 0 where tensions within them hold all shapes; infinite
+    where no tensions hold one.
     """
+    from scipy import sparse  # noqa: PLC0415
     from scipy.optimize import linprog  # noqa: PLC0415
 
     lines = [(k, *each) for k, segment in enumerate(robot.rows) for each in _elastic(segment)]
+    shapes = q.reshape(-1, len(robot), 3)
     if not lines:
         return 0.0
-    arms, bounds = np.zeros((len(lines), *q.shape)), np.zeros((len(lines), 4))
+    arms, bounds = np.zeros((len(lines), len(robot), 3)), np.zeros((len(lines), 4))
     for row, (k, own, j) in enumerate(lines):
         along = np.array([np.cos(own.angles[j]), np.sin(own.angles[j])]) * own.radius
         if own.one_sided:
@@ -208,26 +215,25 @@ def lacking_stretch(robot: Robot, q: Floats) -> float:
         bounds[row] = *own.tensions, *own.displacements[j]
     stiff = np.array([own.stiffnesses[j] for _, own, j in lines])
     pulled = (arms != 0.0).any(axis=0) & _moves(robot)
-    needed = np.array([_moments(segment, one) for segment, one in zip(robot.rows, q, strict=True)])
     pulled |= _moves(robot) & [True, True, False] & _stiff(robot)[:, None] & ~_driven(robot)
-    there, size = np.tensordot(arms, q, 2), max(float(np.abs(needed[pulled]).max(initial=0.0)), 1e-300)
+    needed = np.array([list(map(_moments, robot.rows, shape)) for shape in shapes])[:, pulled]
+    there, sizes = np.tensordot(shapes, arms, ((1, 2), (1, 2))), np.abs(needed).max(axis=1, initial=1e-300)
     # Tensions t and the lack s: low - s <= t / K <= high + s, and the same of displacements a . q + t / K.
     over = np.concatenate([np.eye(len(lines)), -np.eye(len(lines))] * 2) / np.tile(stiff, 4)[:, None]
-    ends = [bounds[:, 1] / stiff, -bounds[:, 0] / stiff, bounds[:, 3] - there, there - bounds[:, 2]]
-    most = np.concatenate(ends)
-    kept = np.isfinite(most)
-    slack, balance = ROUNDING * size, arms[:, pulled].T
-    rows = np.concatenate([np.column_stack([over, -np.ones(len(over))])[kept], *_both(balance)])
-    values = np.concatenate([most[kept], needed[pulled] + slack, slack - needed[pulled]])
-    least = [(None, None)] * len(lines)
-    found = linprog([0.0] * len(lines) + [1.0], A_ub=rows, b_ub=values, bounds=[*least, (0.0, None)])
+    fixed = np.broadcast_to(
+        np.concatenate([bounds[:, 1], -bounds[:, 0]]) / np.tile(stiff, 2), (len(shapes), 2 * len(lines))
+    )
+    most = np.concatenate([fixed, bounds[:, 3] - there, there - bounds[:, 2]], axis=1)
+    kept, slack, balance = np.isfinite(most[0]), ROUNDING * sizes[:, None], arms[:, pulled].T
+    values = np.concatenate([most[:, kept], needed + slack, slack - needed], axis=1)
+    of_one = np.concatenate([over[kept], balance, -balance])
+    widened = np.tile(np.repeat([-1.0, 0.0], [kept.sum(), 2 * len(balance)]), len(shapes))
+    every: Any = sparse.kron(sparse.eye(len(shapes)), of_one)
+    rows: Any = sparse.hstack([every, sparse.csr_array(widened[:, None])])
+    count = len(shapes) * len(lines)
+    least = [(None, None)] * count + [(0.0, None)]
+    found = linprog([0.0] * count + [1.0], A_ub=rows, b_ub=values.ravel(), bounds=least)
     return float(found.x[-1]) if found.status == 0 and found.x is not None else np.inf
-
-
-def _both(balance: Floats) -> tuple[Floats, Floats]:
-    """Rows of moments from above and from below, with a column of zeros."""
-    wide = np.column_stack([balance, np.zeros(len(balance))])
-    return wide, -wide
 
 
 def _elastic(segment: Segment) -> Iterator[tuple[Lines, int]]:

@@ -62,7 +62,7 @@ KNOWN = {
 
 TOOLS = {
     "trace": ("trace", "how many files of the package run in a solve"),
-    "rooms": ("rooms", "lines of code by room, circles of imports, public names"),
+    "rooms": ("rooms", "lines of code by room, rooms, public names, words"),
     "corpus": ("corpus", "some thousand problems with their answers, to hold a change of the code to the last bit"),
     "ways": ("ways", "places solved in several ways: with a memory, explored, attempts switched off"),
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
-from benchmarks.places.parts import CORNERS, FACES
+from benchmarks.places.parts import cuboid
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.derivatives.parameters import GROUPS, circles_of
 from sinuous.base.arguments import LoadParameter, Parameter
@@ -170,21 +170,19 @@ OBSTACLES: dict[str, Place] = {
     "capsule": _along(sn.Capsule, 1.0),
     "half_space": lambda p, n, away, _, rng: sn.HalfSpace(p + away * n, -n),
     "mesh": lambda p, n, away, size, rng: sn.Mesh(
-        p + (away + size) * n + 2.0 * size * CORNERS @ _frame(n, rng).T, FACES
+        *cuboid(p + (away + size) * n, np.full(3, 2.0 * size), _frame(n, rng))
     ),
 }
 
 
-def touching(kind: str, rng: Generator, beside: float = 0.0, place: float | None = None) -> tuple[sn.Problem, Floats]:
+def touching(kind: str, rng: Generator, beside: float = 0.0) -> tuple[sn.Problem, Floats]:
     """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more.
-
-    It does so at the fraction `place` of a segment, by default anywhere but at the ends.
 
     Returns a problem, and the configuration (n, 3) that answers it.
     """
     robot = random_robot(rng, thick=0.02)
     q = random_shape(robot, rng)
-    k, s = int(rng.integers(len(robot))), rng.uniform(0.3, 0.7) if place is None else place
+    k, s = int(rng.integers(len(robot))), rng.uniform(0.3, 0.7)
     part = q.copy()
     part[k] *= s
     here = robot.forward(part)[k]

@@ -4,9 +4,6 @@ What is timed with its memory runs in a process of its own. That a batch which i
 `tests/studies/batch/test_deaths.py`.
 """
 
-import json
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -19,6 +16,7 @@ import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, ignore_suspicions, timed
 from benchmarks.problems import among_spheres, arm, random_configurations
 from sinuous.base.checks import Floats
+from sinuous.base.system import pool_of
 from sinuous.studies.batch.solve import solve_batch
 from sinuous.studies.runs.engines import NO_PAGE, distributed
 
@@ -73,25 +71,12 @@ class Ran(NamedTuple):
     counts: dict[str, int]
 
 
-def run(**settings: Any) -> Ran:
-    """Run a batch in a process of its own."""
-    command = [sys.executable, "-c", "from benchmarks.many import run_child; run_child()", json.dumps(settings)]
-    done = subprocess.run(command, cwd=Path(__file__).parents[1], stdout=subprocess.PIPE, text=True, check=True)
-    seconds, megabytes, counts = json.loads(done.stdout.splitlines()[-1])
-    return Ran(seconds, megabytes, counts)
-
-
-def run_child() -> None:
-    """Do what the parent told: JSON with scene (seed of the plan, or null), targets, out, options."""
-    ignore_suspicions()
-    settings = json.loads(sys.argv[1])
-    plan = Plan(settings.get("seed") or 0)
-    scene = None if settings.get("seed") is None else spheres(plan)
-    own: dict[str, Any] = settings.get("options", {})
-    few = tips(ROBOT, 300, plan.rng(31))
+def run(targets: Path, out: Path, seed: int | None, options: dict[str, Any]) -> Ran:
+    """Run a batch, among the spheres of a seed or without any."""
+    scene, few = None if seed is None else spheres(Plan(seed)), tips(ROBOT, 300, Plan(seed or 0).rng(31))
     solve_batch(ROBOT, {"positions": few[:, :3, 3], "directions": few[:, :3, 2]}, scene, time=0.05)  # compiled now
-    found, seconds = timed(solve_batch, ROBOT, Path(settings["targets"]), scene, settings["out"], **own)
-    sys.stdout.write(json.dumps([seconds, _megabytes(), dict(found.counts)]) + "\n")
+    found, seconds = timed(solve_batch, ROBOT, targets, scene, out, **options)
+    return Ran(seconds, _megabytes(), dict(found.counts))
 
 
 def _megabytes() -> float:
@@ -106,9 +91,10 @@ def through_files(plan: Plan) -> Iterator[Line]:
         with TemporaryDirectory() as folder:
             count = plan.count(full, 2_000)
             targets = table(Path(folder) / "in.npz", count, plan.rng(32), directions)
-            settings = {"targets": str(targets), "out": f"{folder}/out.npz", "seed": plan.seed if obstacles else None}
             options = {"chunk": 50_000, "workers": 2, "routes": False, "max_starts": 6 if obstacles else 16}
-            ran = run(**settings, options=options)
+            with pool_of(1, ignore_suspicions) as alone:  # its memory is that of the batch
+                seed = plan.seed if obstacles else None
+                ran = alone.submit(run, targets, Path(folder) / "out.npz", seed, options).result()
         solved = ran.counts.get("solved", 0), count
         note = f"{count:,} rows"
         rate = Goal(goal, at_most=False)

@@ -21,12 +21,10 @@ from benchmarks.judges.kinematics import link_poses, tip_poses
 from benchmarks.places import cells, media, tubes
 from benchmarks.places.around import drum, duct, pipe, plates, shelf, spheres
 from benchmarks.places.parts import (
-    CORNERS,
-    FACES,
     SLENDER,
     Faces,
-    Surface,
     arc,
+    cuboid,
     joined,
     long_robot,
     plate,
@@ -185,11 +183,7 @@ def meshed(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
 def one_mesh(boxes: list[sn.Box], robot: sn.Robot) -> sn.Mesh:
     """Return boxes as one mesh."""
     gap = GAP * min(robot.radii)
-    return solid(joined([_surface(box, gap) for box in boxes]), "walls")
-
-
-def _surface(box: sn.Box, gap: float) -> Surface:
-    return Surface((CORNERS * (box.size - 2.0 * gap)) @ box.rotation.T + box.center, FACES)
+    return solid(joined([cuboid(box.center, box.size - 2.0 * gap, box.rotation) for box in boxes]), "walls")
 
 
 COUNTS, MOST_BEND = (2, 3, 5, 8), 2.2

@@ -343,6 +343,11 @@ def box_between(frame: Floats, low: Floats, high: Floats, name: str) -> sn.Box:
     return sn.Box(middle, high - low, frame[:3, :3], name=name)
 
 
+def cuboid(center: Floats, size: Floats, rotation: Floats) -> Surface:
+    """Return the triangles of a box with edges of lengths (3,) along the columns of a rotation (3, 3)."""
+    return Surface(size * CORNERS @ rotation.T + center, FACES)
+
+
 def solid(surface: Surface, name: str) -> Mesh:
     """Return the obstacle that a closed surface bounds."""
     return Mesh(surface.vertices, surface.faces, name=name)

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import tracemalloc
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from itertools import cycle, islice
 from pathlib import Path
@@ -122,27 +122,25 @@ def measure_endurance(plan: Plan) -> Iterator[Line]:
 def _memory(plan: Plan, problems: ProblemSet) -> Iterator[Line]:
     """Growth of what the process holds, and of what Python and NumPy allocated, after a warm-up."""
     solver = Solver(problems.robot, problems.scene)
-    _one_by_one(solver, problems, 1000)
-    count = plan.count(100_000, 1000)
-    before = _resident()
-    _one_by_one(solver, problems, count)
-    grown = (_resident() - before) / 1024.0
-    note = "" if before else "this system does not say what a process holds"
-    yield Line(
-        ENDURANCE, f"growth of the process over {count} solves", grown, "KiB", Goal(1024.0, correctness=True), note=note
-    )
+
+    def growth(held: Callable[[], int], before: int, count: int) -> float:
+        """KiB by which so many solves let grow what is held, after some others."""
+        _one_by_one(solver, problems, before)
+        begun = held()
+        _one_by_one(solver, problems, count)
+        return (held() - begun) / 1024.0
+
+    count, note = plan.count(100_000, 1000), "" if _resident() else "this system does not say what a process holds"
+    what, most = f"growth of the process over {count} solves", Goal(1024.0, correctness=True)
+    yield Line(ENDURANCE, what, growth(_resident, 1000, count), "KiB", most, note=note)
     count = plan.count(20_000, 500)
     tracemalloc.start()
     try:
-        _one_by_one(solver, problems, 100)
-        traced = tracemalloc.get_traced_memory()[0]
-        _one_by_one(solver, problems, count)
-        grown = (tracemalloc.get_traced_memory()[0] - traced) / 1024.0
+        grown = growth(lambda: tracemalloc.get_traced_memory()[0], 100, count)
     finally:
         tracemalloc.stop()
-    yield Line(
-        ENDURANCE, f"growth of traced allocations over {count} solves", grown, "KiB", Goal(64.0, correctness=True)
-    )
+    what = f"growth of traced allocations over {count} solves"
+    yield Line(ENDURANCE, what, grown, "KiB", Goal(64.0, correctness=True))
 
 
 def _resident() -> int:

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.wild.worlds import UNITS, Judged, asked, block_surface, demanding, pose_rotation, robot_with_shapes
+from benchmarks.places.parts import cuboid
+from benchmarks.wild.worlds import UNITS, Judged, asked, demanding, pose_rotation, robot_with_shapes
 from sinuous.base.checks import Floats
 
 OBSTACLES = (0, 0, 1, 2, 5, 20)
@@ -108,7 +109,7 @@ def _obstacle(robot: sn.Robot, unit: float, rng: Generator) -> Any:
     place = base + unit * float(rng.choice([0.0, 0.3, 1.0])) * rng.normal(size=3)
     size = unit * 10.0 ** rng.uniform(-3.0, 0.5)
     turn, end = pose_rotation(rng.normal(size=4)), place + size * rng.normal(size=3)
-    surface = block_surface(place, 0.3 * size * rng.uniform(0.1, 1.0, 3), turn)
+    surface = cuboid(place, 0.6 * size * rng.uniform(0.1, 1.0, 3), turn)
     made: list[Callable[[], Any]] = [
         lambda: sn.Sphere(place, size),
         lambda: sn.Box(place, size * rng.choice([1e-6, 0.1, 1.0, 1.0], 3), turn),

@@ -32,7 +32,7 @@ from benchmarks.judges.kinematics import (
     self_body,
 )
 from benchmarks.judges.self_collision import Flags, look, surely_clear
-from benchmarks.places.parts import CORNERS, FACES, Surface, joined
+from benchmarks.places.parts import Surface, cuboid, joined
 from benchmarks.problems import in_ball
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
@@ -321,24 +321,14 @@ def _room(points: Floats, radii: Floats, unit: float, rng: Generator) -> Obstacl
         across = local[:, :2] - (rotation.T @ middle)[:2]
         radius = float((np.linalg.norm(across, axis=1) + radii).max() + room[0])
         return sn.Cylinder(middle - half[2] * rotation[:, 2], middle + half[2] * rotation[:, 2], radius, inside=True)
-    return _block(middle, half, rotation, inside=True)
+    return sn.Mesh(*cuboid(middle, 2.0 * half, rotation), inside=True)
 
 
 def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> sn.Mesh:
     at, away, off = place
     half = unit * rng.uniform(0.02, 0.2, 3)
     rotation = pose_rotation(rng.normal(size=4))
-    return _block(at + (off + float(np.abs(away @ rotation) @ half)) * away, half, rotation)
-
-
-def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False) -> sn.Mesh:
-    """Return a box of triangles."""
-    return sn.Mesh(*block_surface(middle, half, rotation), inside=inside)
-
-
-def block_surface(middle: Floats, half: Floats, rotation: Floats) -> Surface:
-    """Return the triangles of a box with these halves of edges (3,) along the columns of a rotation (3, 3)."""
-    return Surface(2.0 * half * CORNERS @ rotation.T + middle, FACES)
+    return sn.Mesh(*cuboid(at + (off + float(np.abs(away @ rotation) @ half)) * away, 2.0 * half, rotation))
 
 
 LIMIT = 1.0
@@ -529,7 +519,7 @@ def bodies(seed: int, number: int) -> World:
         turn = pose_rotation(rng.normal(size=4))
         share = rng.integers(2) + rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-3.0, -0.5)
         other = middle + turn @ (share * size * np.eye(3)[rng.integers(3)])
-        return _solids(joined([block_surface(place, 0.5 * size, turn) for place in (middle, other)]))
+        return _solids(joined([cuboid(place, size, turn) for place in (middle, other)]))
 
     return _beside(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), two_boxes, rng)
 
@@ -787,7 +777,7 @@ def _bounding(balls: list[Obstacle], points: Floats, unit: float, rng: Generator
 def _within_wall(rng: Generator) -> World:
     """A thin robot in the solid between the faces of two boxes of one mesh."""
     half, wall, turn = rng.uniform(0.2, 0.5, 3), 10.0 ** rng.uniform(-3.0, -1.0), pose_rotation(rng.normal(size=4))
-    both = joined([block_surface(np.zeros(3), half + grown, turn) for grown in (0.0, wall)])
+    both = joined([cuboid(np.zeros(3), 2.0 * (half + grown), turn) for grown in (0.0, wall)])
     length, place = 0.2 * float(half.min()), np.append(half[:2] * rng.uniform(-0.5, 0.5, 2), half[2] + 0.5 * wall)
     base = sn.pose(turn @ place, direction=turn[:, 0])
     robot = sn.Robot.uniform(2, (0.8 * length, length), 0.5, radius=0.1 * wall, base=base)

@@ -1,6 +1,6 @@
-"""Lines by room: code is counted without comments, docstrings and blanks; circles are found, also those of types."""
+"""Lines by room: code is counted without comments, docstrings and blanks."""
 
-from benchmarks.rooms import between_rooms, circles, code_lines, imports, sizes
+from benchmarks.rooms import code_lines, sizes
 
 SOURCE = '''"""A module.
 
@@ -38,11 +38,3 @@ def test_code_is_what_is_neither_comment_nor_docstring_nor_blank() -> None:
 
 def test_rooms_add_up() -> None:
     assert sizes(PACKAGE) == {"package": 1, "base": 6, "model": 2, "scene": 2, "tests": 1}
-
-
-def test_circles_are_found_wherever_imports_stand() -> None:
-    edges = imports(PACKAGE)
-    assert edges["sinuous.scene.ball"] == {"sinuous.model", "sinuous.model.arm"}
-    assert circles(edges) == [["sinuous.model.arm", "sinuous.scene.ball"]]
-    assert circles(between_rooms(edges)) == [["sinuous.model", "sinuous.scene"]]
-    assert circles({"a": ["b"], "b": ["c"], "c": []}) == []

@@ -23,8 +23,6 @@ from benchmarks.judges.cosserat import shoot
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.motion.loops import stepped
 from sinuous.base.checks import Floats
-from sinuous.files.documents import parse_yaml
-from sinuous.files.nouns import read_robot
 from sinuous.statics.equilibrium import run
 from sinuous.studies.calibration.measurements import Measured, read_table
 
@@ -41,7 +39,7 @@ OF_IT = 40
 
 def captured_robot(name: str) -> sn.Robot:
     """A robot as drawn."""
-    return read_robot(parse_yaml((DATA / f"{name}.yaml").read_text()))
+    return sn.load(DATA / f"{name}.yaml", sn.Robot)
 
 
 def rows_of(robot: sn.Robot, name: str) -> Measured:
@@ -244,9 +242,8 @@ def _rods(name: str, count: int, arcs: int, goal: float) -> Iterator[Line]:
 
 def read_rods(name: str) -> Floats:
     """Read shapes (m, 6, 17): moments or rotations, then forces or positions; gravity, two wrenches, 14 stations."""
-    with (DATA / f"rod_{name}.csv").open(encoding="utf-8") as file:
-        rows = list(csv.reader(file))[2:]
-    return np.array([[float(each or 0.0) for each in row[1:]] for row in rows]).reshape(-1, 6, len(rows[0]) - 1)
+    table = np.nan_to_num(np.genfromtxt(DATA / f"rod_{name}.csv", delimiter=",", skip_header=2))
+    return table[:, 1:].reshape(-1, 6, table.shape[1] - 1)
 
 
 MARKERS = np.array([0.1291, 0.2195, 0.2800, 0.3600])
@@ -292,9 +289,7 @@ def _rms(residual: Floats) -> float:
 
 def read_tentacle() -> tuple[Floats, Floats]:
     """Tensions (22, 2) in N and places of markers (22, 4, 3) in m."""
-    with (DATA / "soft_tentacle.csv").open(encoding="utf-8") as file:
-        rows = [row for row in csv.reader(file) if not row[0].startswith("#")][1:]
-    numbers = np.array(rows, np.float64)
+    numbers = np.genfromtxt(DATA / "soft_tentacle.csv", delimiter=",")[1:]
     return numbers[:, 2:4], numbers[:, 4:].reshape(-1, 4, 3)
 
 

@@ -9,16 +9,14 @@ import math
 from collections.abc import Iterator
 from functools import partial
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan
+from benchmarks.real import captured_robot
 from sinuous.base.checks import Floats
-
-DATA = Path(__file__).parent / "data"
 
 PLACES, SHAPES = 20_000, 20_000
 """Places that are solved, and shapes whose tips are looked up, in a whole run."""
@@ -39,12 +37,6 @@ def _rods() -> sn.Robot:
     """Two segments of 0.2 m, three tendons each (Rao, Peyron, Lilge & Burgner-Kahrs 2021)."""
     lines = sn.Tendons(count=3, radius=0.01, angle=math.pi / 2)
     return sn.Robot([sn.Segment(0.2, max_bend=math.pi, tendons=lines)] * 2, radius=0.012)
-
-
-def _robot(name: str) -> sn.Robot:
-    if name == "rods":
-        return _rods()
-    return sn.load(DATA / f"{name}.yaml", sn.Robot).changed(radius=6.0)
 
 
 def _obstacles(robot: sn.Robot) -> list[sn.Sphere]:
@@ -113,7 +105,8 @@ def _missed(robot: sn.Robot, found: sn.studies.Reach, plan: Plan, count: int) ->
 
 def map_robot(name: str, plan: Plan) -> Iterator[Line]:
     """Hold the maps of a robot, of positions and within a cone, against solves at random places."""
-    robot, count = _robot(name), plan.count(PLACES, 300)
+    robot = _rods() if name == "rods" else captured_robot(name).changed(radius=6.0)
+    count = plan.count(PLACES, 300)
     spacing = None if not plan.quick else 0.12 * robot.mean_length
     cones: dict[str, dict[str, Any]] = {
         "positions": {},

@@ -34,14 +34,15 @@ def right(
     robot: sn.Robot, targets: Sequence[sn.Target], q: Floats, tolerance: sn.Tolerance, scene: sn.Scene | None = None
 ) -> Flags:
     """Say of configurations (m, n, 3), one a target, whether each is at it, within limits, and clear of obstacles."""
+    good = at_targets(robot, targets, q, tolerance) & within_limits(robot, q)
+    return good if scene is None or not len(scene) else np.asarray(good & ~overlaps(robot, scene, q))
+
+
+def at_targets(robot: sn.Robot, targets: Sequence[sn.Target], q: Floats, tolerance: sn.Tolerance) -> Flags:
+    """Say of configurations (m, n, 3), one a target, whether each is at it."""
     position, angle = target_errors(robot, targets, q)
     allowed = tolerance.for_robot(robot).position or 0.0
-    good = (position <= allowed + ROUNDING * robot.longest) & (angle <= tolerance.angle + ROUNDING)
-    good &= within_limits(robot, q)
-    if scene is not None and len(scene):
-        good &= ~overlaps(robot, scene, q)
-    result: Flags = good
-    return result
+    return np.asarray((position <= allowed + ROUNDING * robot.longest) & (angle <= tolerance.angle + ROUNDING))
 
 
 def target_errors(robot: sn.Robot, targets: Sequence[sn.Target], q: Floats) -> tuple[Floats, Floats]:

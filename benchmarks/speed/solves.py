@@ -27,14 +27,12 @@ class Answers:
 
     Attributes
     ----------
-    q : ndarray (m, n, 3)
     seconds : ndarray (m,)
         Around the call, solved or not.
     claimed, confirmed : ndarray (m,) of bool
         Whether the solver says solved, and whether the judge agrees with that.
     """
 
-    q: Floats
     seconds: Floats
     claimed: Flags
     confirmed: Flags
@@ -66,7 +64,7 @@ def solve_all(problems: ProblemSet) -> Answers:
     solver.solve(problems.targets[0])
     solutions, seconds = zip(*(timed(solver.solve, target) for target in problems.targets), strict=True)
     said, found = (np.array([getattr(solution, name) for solution in solutions]) for name in ("solved", "q"))
-    return Answers(found, np.array(seconds), said, said & problems.right(found))
+    return Answers(np.array(seconds), said, said & problems.right(found))
 
 
 SECTION = (

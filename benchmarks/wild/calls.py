@@ -223,6 +223,10 @@ class Drawn:
         """Return a budget, or one that is never used up."""
         return PATIENCE if self.patient else budget
 
+    def few(self, budget: float) -> dict[str, Any]:
+        """Return options of a study: a budget of each solve, or few starts."""
+        return {"time": self.seconds(budget)} | ({"max_starts": 2} if self.patient else {})
+
     def options(self, budget: float | None = None, **more: Any) -> dict[str, Any]:
         """Draw options of a solve, most of them left out; `more` stand in their place."""
         drawn: dict[str, Any] = {"time": self.seconds(float(self.rng.choice(BUDGETS)) if budget is None else budget)}
@@ -368,11 +372,8 @@ def _follow(d: Drawn) -> Any:
 
 
 def _reach(d: Drawn) -> Any:
-    few: dict[str, Any] = {"max_starts": 2} if d.patient else {}
-    directions = int(d.rng.choice([1, 6]))
-    return sn.studies.reach(
-        d.robot, d.scene, spacing=0.9 * d.unit, directions=directions, time=d.seconds(0.002), workers=1, **few
-    )
+    options: dict[str, Any] = {"spacing": 0.9 * d.unit, "directions": int(d.rng.choice([1, 6])), "workers": 1}
+    return sn.studies.reach(d.robot, d.scene, **options, **d.few(0.002))
 
 
 def _check(d: Drawn) -> Any:
@@ -414,8 +415,7 @@ def _shape_under_load(d: Drawn) -> Any:
 
 def _assess(d: Drawn) -> Any:
     tasks = {"one": d.target(), "path": sn.studies.Follow([d.target() for _ in range(2)])}
-    few: dict[str, Any] = {"max_starts": 2} if d.patient else {}
-    return sn.studies.assess([d.robot, d.robot], tasks, d.scene, time=d.seconds(0.01), **few)
+    return sn.studies.assess([d.robot, d.robot], tasks, d.scene, **d.few(0.01))
 
 
 def _calibrate(d: Drawn) -> Any:
@@ -429,9 +429,8 @@ def _design(d: Drawn) -> Any:
     vary = {"base.position[2]": (-0.1 * d.unit, 0.1 * d.unit)}
     if d.perhaps(0.5):
         vary = {"segments[0].radius": (0.0, 0.01 * d.unit)}
-    options: dict[str, Any] = {"budget": 600.0, "max_starts": 2} if d.patient else {"budget": 0.1}
-    options |= {"vary": vary, "minimise": "length", "robots": 4, "time": d.seconds(0.01)}
-    return sn.studies.design(d.robot, [d.target()], d.scene, **options)
+    options: dict[str, Any] = {"vary": vary, "minimise": "length", "robots": 4, "budget": 600.0 if d.patient else 0.1}
+    return sn.studies.design(d.robot, [d.target()], d.scene, **options, **d.few(0.01))
 
 
 def _remember(d: Drawn) -> Any:

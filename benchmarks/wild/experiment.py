@@ -18,17 +18,7 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, timed
 from benchmarks.judges.clearances import GRACE, Clearances
-from benchmarks.judges.judge import (
-    IMPOSSIBLE,
-    ROUNDING,
-    Flags,
-    overlap,
-    samples,
-    target_errors,
-    too_fast,
-    within_limits,
-    wrong_at,
-)
+from benchmarks.judges.judge import IMPOSSIBLE, Flags, at_targets, overlap, samples, too_fast, within_limits, wrong_at
 from benchmarks.judges.kinematics import measured_body, needed_body, self_body
 from benchmarks.judges.self_collision import look
 from benchmarks.wild import calls, worlds
@@ -148,13 +138,8 @@ def _said(claims: Mapping[int, sn.Solution], name: str) -> Floats:
 
 def _at_targets(world: World, problems: list[int], robot: Any, q: Floats) -> Flags:
     """Whether the shapes of a body meet all targets of these problems."""
-    tolerance = world.tolerance
-    good = np.ones(len(q), bool)
-    for targets in zip(*(world.targets[i] for i in problems), strict=True):
-        position, angle = target_errors(robot, targets, q)
-        good &= position <= (tolerance.position or 0.0) + ROUNDING * robot.longest
-        good &= angle <= tolerance.angle + ROUNDING
-    return good
+    asked = zip(*(world.targets[i] for i in problems), strict=True)
+    return np.all([at_targets(robot, targets, q, world.tolerance) for targets in asked], axis=0)
 
 
 def tallied(make: Callable[[int], World], numbers: range) -> list[tuple[str, Trial]]:

@@ -3,19 +3,31 @@
 Every place was made around a hidden shape that reaches its target, so neither "impossible" nor silence is excused.
 """
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import typer
 
 import sinuous as sn
-from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, ignore_suspicions, in_processes, timed
+from benchmarks.harness import (
+    Divided,
+    Experiment,
+    Goal,
+    Line,
+    Plan,
+    Times,
+    Trial,
+    ignore_suspicions,
+    in_processes,
+    timed,
+)
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
-from benchmarks.places.place import right as judged_right
+from benchmarks.places.place import right
 from sinuous.base import checks
 from sinuous.solver.options import read_without
 from sinuous.solver.solver import Solver
@@ -94,39 +106,6 @@ def divided(plan: Plan, family: str, seeds: range, together: int, without: tuple
     return Divided(shares, partial(lines_of, family))
 
 
-class Trial(NamedTuple):
-    """One place, and what a solver came to there.
-
-    Attributes
-    ----------
-    seed : int
-    seconds : float
-        Of the second solve: the first makes what a solver puts off.
-    status : str
-    start : str
-        Kind of the start that won.
-    claimed, right : bool
-        Whether it says solved, and whether the judge finds it so, who looks at nothing else.
-    """
-
-    seed: int
-    seconds: float
-    status: str
-    start: str
-    claimed: bool
-    right: bool
-
-    @property
-    def solved(self) -> bool:
-        """Whether it says so and is."""
-        return self.claimed and self.right
-
-    @property
-    def false(self) -> bool:
-        """Whether the judge refutes that it is solved, or the hidden shape that it is impossible."""
-        return (self.claimed and not self.right) or self.status in IMPOSSIBLE
-
-
 def tried(alone: bool, family: str, seeds: range, without: tuple[str, ...]) -> list[Trial]:
     """Try some places, each in a process that has a core of its own, or (`alone`) in this one."""
     return list(in_processes(partial(examine, family, without=without), seeds, alone, CHUNK))
@@ -138,21 +117,24 @@ def examine(family: str, seed: int, without: tuple[str, ...] = ()) -> Trial:
     solver = Solver(place.robot, place.scene, tolerance=place.tolerance, without=without)
     solver.solve(place.targets)
     solution, seconds = timed(solver.solve, place.targets)
-    right = solution.solved and judged_right(place, solution.configuration)
-    return Trial(seed, seconds, str(solution.status), solution.start, solution.solved, right)
+    if solution.solved:
+        wrong = "refuted" * (not right(place, solution.configuration))
+    else:
+        wrong = "impossible" * (solution.status in IMPOSSIBLE)
+    return Trial(seed, seconds, str(solution.status), wrong, solution.start)
 
 
 def lines_of(family: str, shares: Sequence[Sequence[Trial]]) -> Iterator[Line]:
     """Summarise one family: every family on the same lines, so that they can be compared."""
     own, trials = FAMILIES[family], [trial for share in shares for trial in share]
     times = Times.of([trial.seconds for trial in trials])
-    failed = [trial for trial in trials if not trial.solved or trial.seconds > LIMIT]
+    failed = [trial for trial in trials if not trial.good(LIMIT)]
     good, goal = len(trials) - len(failed), Goal(100.0 if own.published else 99.0, at_most=False)
-    won = Counter(trial.start for trial in trials if trial.solved).most_common()
+    won = Counter(trial.start for trial in trials if trial.good(math.inf)).most_common()
     winners = "won by " + (", ".join(f"{kind} {count}" for kind, count in won) or "none")
     note = "; ".join([own.words + " (judging only)" * own.judging, winners, *_listed("not solved", failed)])
     yield Line(SOLVED, family, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
-    wrong = [trial for trial in trials if trial.false]
+    wrong = [trial for trial in trials if trial.wrong]
     yield Line(FALSE, family, len(wrong), "", Goal(0, correctness=True), note="; ".join(_listed("wrong", wrong)))
     fast = Goal(200e-6 if own.published else NARROW if "1.3" in family else 5e-3)
     yield Line(MEDIAN, family, times.median, "ms", fast)
@@ -162,7 +144,7 @@ def lines_of(family: str, shares: Sequence[Sequence[Trial]]) -> Iterator[Line]:
 
 def _listed(what: str, trials: list[Trial]) -> list[str]:
     """Seeds and statuses, to begin a search with; nothing when there are none."""
-    listed = ", ".join(f"{trial.seed} ({trial.status})" for trial in trials[:SHOWN])
+    listed = ", ".join(f"{trial.number} ({trial.status})" for trial in trials[:SHOWN])
     return [f"{what}: seeds {listed}{' ...' * (len(trials) > SHOWN)}"] if trials else []
 
 
@@ -176,10 +158,11 @@ def run(
     checks.integer("NUMBER", number, 0, 2**31 - 1)
     ignore_suspicions()
     ours = examine(family, number)
-    verdict = "right" if ours.right else "WRONG" if ours.false else "not right"
-    won = f" by {ours.start}" * ours.solved
+    solved = ours.good(math.inf)
+    verdict = "right" if solved else "WRONG" if ours.wrong else "not right"
+    won = f" by {ours.start}" * solved
     typer.echo(f"{family}, {number}: {ours.status}{won} in {1e3 * ours.seconds:.3g} ms; the judge finds it {verdict}")
     if picture is not None:
         place = make(family, number)
         sn.plot(sn.solve(place.robot, place.targets, place.scene, tolerance=place.tolerance), path=picture)
-    raise typer.Exit(0 if ours.solved else 1)
+    raise typer.Exit(0 if solved else 1)

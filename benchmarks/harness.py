@@ -113,15 +113,16 @@ class Goal:
 
 
 class Trial(NamedTuple):
-    """What came of a plan: its number, seconds of the call, status, and what a judge found wrong (or "")."""
+    """What came of a call: its number, seconds, status, what a judge found wrong (or ""), and what start won."""
 
     number: int
     seconds: float
     status: str
-    wrong: str
+    wrong: str = ""
+    start: str = ""
 
     def good(self, limit: float) -> bool:
-        """Whether it is called solved within the limit (s), and no judge objects."""
+        """Whether it says so within the limit (s), and no judge objects."""
         return self.status == "solved" and not self.wrong and self.seconds <= limit
 
 
@@ -288,18 +289,12 @@ def _version(package: str) -> str:
 
 def _commit() -> str:
     """Commit of the working tree that the package lies in, if it lies in one; a plus marks changes since."""
-    folder = Path(__file__).parent
+    asked = ["git", "describe", "--always", "--exclude=*", "--abbrev=12", "--dirty=+"]
     try:
-        commit = _git(folder, "rev-parse", "--short=12", "HEAD")
-        changed = _git(folder, "status", "--porcelain", "--", str(folder.parent))
+        run = subprocess.run(asked, cwd=Path(__file__).parent, capture_output=True, text=True, check=True, timeout=10)
     except (OSError, subprocess.SubprocessError):
         return ""
-    return f" ({commit}{'+' if changed else ''})"
-
-
-def _git(folder: Path, *arguments: str) -> str:
-    run = subprocess.run(["git", *arguments], cwd=folder, capture_output=True, text=True, check=True, timeout=10)
-    return run.stdout.strip()
+    return f" ({run.stdout.strip()})"
 
 
 @dataclass(frozen=True)
@@ -476,17 +471,10 @@ def _pool() -> ProcessPoolExecutor:
 
 
 def _stop() -> None:
-    """Let the processes finish what they are at, and end.
-
-    A second interrupt is not heard meanwhile: it would leave processes behind that wait for work for ever.
-    """
+    """Let the processes finish what they are at, and end."""
     pool = _pool()
     _pool.cache_clear()
-    heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        pool.shutdown(cancel_futures=True)
-    finally:
-        signal.signal(signal.SIGINT, heard)
+    pool.shutdown(cancel_futures=True)
 
 
 def _cores() -> list[int]:
@@ -638,10 +626,8 @@ def conduct(experiment: Experiment, folder: Path | None = None, record: Path | N
 def _tracked(what: str, pieces: Sequence[Piece]) -> Iterator[Piece]:
     """Go through pieces; in a terminal with a bar, drawn between two: a thread would disturb what is timed."""
     console = Console(stderr=True)
-    if not console.is_terminal:
-        yield from pieces
-        return
-    with Progress(console=console, auto_refresh=False, transient=True) as progress:
+    off = not console.is_terminal
+    with Progress(console=console, auto_refresh=False, transient=True, disable=off) as progress:
         task = progress.add_task(what, total=len(pieces))
         for piece in pieces:
             yield piece

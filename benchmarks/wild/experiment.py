@@ -7,7 +7,6 @@ Motions of wild worlds are timed, planned, and tracked, stepped and solved while
 import math
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -16,7 +15,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, timed
+from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, Trial, timed
 from benchmarks.judges.clearances import GRACE, Clearances
 from benchmarks.judges.judge import IMPOSSIBLE, Flags, at_targets, overlap, samples, too_fast, within_limits, wrong_at
 from benchmarks.judges.kinematics import measured_body, needed_body, self_body
@@ -42,29 +41,6 @@ SHOWN = 40
 """Most names of problems in a note."""
 
 
-@dataclass(frozen=True)
-class Trial:
-    """What came of one problem.
-
-    Attributes
-    ----------
-    status : str
-    seconds : float
-        Around the call.
-    false : tuple of str
-        Kinds of false claims: of what is called solved, words for what is not, and a call that ended in no answer.
-    """
-
-    status: str
-    seconds: float
-    false: tuple[str, ...] = ()
-
-    @property
-    def solved(self) -> bool:
-        """Whether it says so, and nothing of it is false."""
-        return self.status == sn.Status.SOLVED and not self.false
-
-
 def solutions_of(world: World) -> list[tuple[sn.Solution | Exception, float]]:
     """Solve all problems, one by one, with the defaults of a user; and how long each took, in seconds."""
     solver = sn.Solver(world.robot, world.scene, tolerance=world.tolerance, time=world.time)
@@ -83,9 +59,9 @@ def examine(world: World) -> list[Trial]:
     found = solutions_of(world)
     false = refuted(world, {i: each for i, (each, _) in enumerate(found) if isinstance(each, sn.Solution)})
     return [
-        Trial(EXCEPTION, spent, (EXCEPTION,))
+        Trial(i, spent, EXCEPTION, EXCEPTION)
         if isinstance(each, Exception)
-        else Trial(str(each.status), spent, false[i])
+        else Trial(i, spent, str(each.status), ", ".join(false[i]))
         for i, (each, spent) in enumerate(found)
     ]
 
@@ -145,7 +121,7 @@ def _at_targets(world: World, problems: list[int], robot: Any, q: Floats) -> Fla
 def tallied(make: Callable[[int], World], numbers: range) -> list[tuple[str, Trial]]:
     """Solve and judge worlds; return names of problems, and what came of them."""
     examine(make(numbers[0]))  # loads what is compiled, which nobody's time should count
-    return [(f"{number}.{i}", trial) for number in numbers for i, trial in enumerate(examine(make(number)))]
+    return [(f"{number}.{trial.number}", trial) for number in numbers for trial in examine(make(number))]
 
 
 def lines_of(section: str, what: str, most: float, shares: Sequence[Sequence[tuple[str, Trial]]]) -> Iterator[Line]:
@@ -153,10 +129,10 @@ def lines_of(section: str, what: str, most: float, shares: Sequence[Sequence[tup
     trials = [each for share in shares for each in share]
     count, times = len(trials), Times.of([trial.seconds for _, trial in trials])
     for limit, goal in ((LIMIT, Goal(most)), (QUICK, None)):
-        names = [f"{name} {one.status}" for name, one in trials if not one.solved or one.seconds > limit]
+        names = [f"{name} {one.status}" for name, one in trials if not one.good(limit)]
         told, solved = f"{what}, not solved and found right by the judges within {limit:g} s", count - len(names)
         yield Line(section, told, MANY * len(names) / count, UNIT, goal, times, (solved, count), named(names))
-    false = [f"{name} {kind}" for name, trial in trials for kind in trial.false]
+    false = [f"{name} {trial.wrong}" for name, trial in trials if trial.wrong]
     yield Line(section, f"{what}, false claims", len(false), "", Goal(0, correctness=True), note=named(false))
 
 

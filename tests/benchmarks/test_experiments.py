@@ -11,8 +11,8 @@ import pytest
 import sinuous as sn
 from benchmarks import clutter, derivatives, harness, methods, ways
 from benchmarks.__main__ import KNOWN, experiment, main
-from benchmarks.clutter import Trial, examine
-from benchmarks.harness import Line, Plan, conduct
+from benchmarks.clutter import examine
+from benchmarks.harness import Line, Plan, Trial, conduct
 from benchmarks.motion import loops, moving, p5
 from benchmarks.problems import among_spheres, arm, paper_poses
 from benchmarks.speed import processes, solves
@@ -66,15 +66,15 @@ def test_places_are_solved_in_all_ways(
     assert all(row[3].split("/")[0] == row[3].split("/")[1] and row[4] == "0" for row in rows)
 
 
-RIGHT = Trial(0, 1e-5, "solved", "arc", True, True)
-LIE = Trial(0, 1e-5, "solved", "arc", True, False)
-MISSED = Trial(0, 1e-2, "blocked", "random", False, False)
-EXCUSE = Trial(0, 1e-5, "no_route", "arc", False, False)
-LATE = Trial(0, 1.5, "solved", "route", True, True)
+RIGHT = Trial(0, 1e-5, "solved", "", "arc")
+LIE = Trial(0, 1e-5, "solved", "refuted", "arc")
+MISSED = Trial(0, 1e-2, "blocked", "", "random")
+EXCUSE = Trial(0, 1e-5, "no_route", "impossible", "arc")
+LATE = Trial(0, 1.5, "solved", "", "route")
 
 
 def summed(*trials: Trial) -> dict[str, Line]:
-    found = [trial._replace(seed=seed) for seed, trial in enumerate(trials)]
+    found = [trial._replace(number=seed) for seed, trial in enumerate(trials)]
     return {line.section: line for line in clutter.lines_of("spheres 12", [found])}
 
 
@@ -95,10 +95,10 @@ def test_a_solver_that_lies_or_gives_up_about_a_place_is_found_out(monkeypatch: 
     """Answers without obstacles, handed over as if they were solved among them; and what is called blocked."""
     with monkeypatch.context() as patch:
         patch.setattr(clutter, "Solver", lambda robot, _scene, **options: sn.Solver(robot, **options))
-        assert any(examine("spheres 100", seed).false for seed in range(4))
+        assert any(examine("spheres 100", seed).wrong for seed in range(4))
     monkeypatch.setattr(sn.Solution, "solved", property(lambda _: False))
     monkeypatch.setattr(sn.Solution, "status", property(lambda _: sn.Status.TARGET_BLOCKED))
-    assert examine("p3", 0).false
+    assert examine("p3", 0).wrong
 
 
 def shifted(where: tuple[Any, int], by: float) -> Callable[..., sn.Solution]:
@@ -158,12 +158,12 @@ def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_wrong_and_late_plans_count_as_such() -> None:
-    right = harness.Trial(0, 1e-4, "solved", "")
+    right = Trial(0, 1e-4, "solved", "")
     assert pickle.loads(pickle.dumps(right)) == right  # from one process to another
     made = [right, right._replace(wrong="overlap"), right._replace(seconds=0.2), right._replace(status="time_limit")]
     lines = {line.section: line for line in p5.lines_of("here", made, 0.1, 99.5)}
     assert (lines[p5.PLANNED].reached, lines[p5.FALSE].reached, lines[p5.FALSE].held) == (25.0, 1, False)
-    late = [harness.Trial(0, 1.0, "solved", ""), harness.Trial(1, 6.0, "solved", "overlap")]
+    late = [Trial(0, 1.0, "solved", ""), Trial(1, 6.0, "solved", "overlap")]
     planned, false = harness.counted("planned", "false", "x", late, 5.0)
     assert (planned.reached, false.reached) == (50.0, 1)
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.harness import Trial
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.kinematics import thicker
@@ -21,7 +22,6 @@ from benchmarks.wild.experiment import (
     OVERLAP,
     SELF_OVERLAP,
     TARGET,
-    Trial,
     examine,
     refuted,
     solutions_of,
@@ -86,7 +86,9 @@ def test_what_is_called_impossible(solution: sn.Solution, code: int) -> None:
 
 
 def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = [Trial("solved", 0.1), Trial("solved", 0.5), Trial("solved", 1.5), Trial("solved", 0.1, (OVERLAP,))]
+    made = [Trial(i, seconds, "solved") for i, seconds in enumerate((0.1, 0.5, 1.5))] + [
+        Trial(3, 0.1, "solved", OVERLAP)
+    ]
     monkeypatch.setattr(experiment, "examine", lambda _: made)
     part = experiment.tallied(lambda number: world([]), range(7, 8))
     within, quick, false = experiment.lines_of("s", "w", 30, [part])
@@ -130,7 +132,7 @@ def test_the_judge_knows_distances_to_huge_obstacles_to_the_last_digits_of_the_r
 
 @pytest.mark.parametrize("make", [worlds.make, worlds.loaded], ids=["free", "loaded"])
 def test_some_worlds_are_solved_and_hold(make: Callable[[int, int], World]) -> None:
-    assert not [trial.false for number in range(4) for trial in examine(make(0, number)) if trial.false]
+    assert not [trial.wrong for number in range(4) for trial in examine(make(0, number)) if trial.wrong]
 
 
 @pytest.mark.parametrize("kind", [k for k in experiment.KINDS if k.split()[0] not in ("timed", "tracked", "arms")])

@@ -161,6 +161,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     typed = sys.argv[1:] if arguments is None else arguments
     if typed and typed[0] in TOOLS:
+        from benchmarks.harness import ignore_suspicions  # noqa: PLC0415
+
+        ignore_suspicions()
         tool: Any = import_module(f"benchmarks.{TOOLS[typed[0]][0]}")
         own = getattr(tool, "app", None)
         if own is None:

@@ -13,18 +13,7 @@ from typing import Annotated
 import typer
 
 import sinuous as sn
-from benchmarks.harness import (
-    Divided,
-    Experiment,
-    Goal,
-    Line,
-    Plan,
-    Times,
-    Trial,
-    ignore_suspicions,
-    in_processes,
-    timed,
-)
+from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, Trial, in_processes, timed
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right
@@ -156,7 +145,6 @@ def run(
     """Solve one place again and judge it; the exit code is 1 when it is not solved."""
     checks.choice("FAMILY", family, tuple(FAMILIES))
     checks.integer("NUMBER", number, 0, 2**31 - 1)
-    ignore_suspicions()
     ours = examine(family, number)
     solved = ours.good(math.inf)
     verdict = "right" if solved else "WRONG" if ours.wrong else "not right"

@@ -31,7 +31,7 @@ import typer
 
 import sinuous as sn
 from benchmarks import derivatives
-from benchmarks.harness import Alone, chosen, ignore_suspicions, in_processes
+from benchmarks.harness import Alone, chosen, in_processes
 from benchmarks.judges.judge import wrong_in
 from benchmarks.motion import known, moving, p5
 from benchmarks.places import FAMILIES, Place, make
@@ -323,7 +323,6 @@ def answer(problem: Problem) -> tuple[Any, Any]:
 
 def written(piece: str) -> tuple[Answers, list[str]]:
     """Answer all problems of a piece; return the answers, and the names of those that took too long to be kept."""
-    ignore_suspicions()
     answers, slow = Answers(), list[str]()
     for problem in PIECES[piece]():
         began = process_time()
@@ -337,7 +336,6 @@ def written(piece: str) -> tuple[Answers, list[str]]:
 
 def compared(piece: str, before: Answers) -> Compared:
     """Answer the problems of a piece that a file has answers of, and look for differences."""
-    ignore_suspicions()
     began, left = perf_counter(), dict(before)
     differing, reworded = list[Differing](), list[Differing]()
     for problem in PIECES[piece]():

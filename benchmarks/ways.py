@@ -15,7 +15,7 @@ import numpy as np
 import typer
 
 import sinuous as sn
-from benchmarks.harness import Alone, Record, chosen, give, ignore_suspicions, in_processes, table, timed
+from benchmarks.harness import Alone, Record, chosen, give, in_processes, table, timed
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.judge import wrong_in
 from benchmarks.judges.kinematics import tip_poses
@@ -293,7 +293,6 @@ def run(
     checks.integer("--seed", seed, 0, 2**31 // 1000 - 1)
     checks.integer("--count", count, 1, 10_000)
     fitting = chosen(list(FAMILIES), piece or ["*"])
-    ignore_suspicions()
     work = partial(_rows, name, seed, count)
     families = [each for each in FAMILIES if each in fitting and (name == "ablation" or not FAMILIES[each].joints)]
     rows = [row for some in in_processes(work, families, alone=alone) for row in some]

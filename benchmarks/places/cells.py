@@ -1,4 +1,4 @@
-"""Walls of boxes and meshes: cells with doors around the base or the target, keyholes, and small worlds of boxes."""
+"""Walls of boxes and meshes: cells with doors around base or target, plates, keyholes, and small worlds of boxes."""
 
 import math
 from typing import NamedTuple
@@ -7,7 +7,6 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.places.around import largest_half
 from benchmarks.places.parts import Curve, about_z, box_between, curve_of, draw_shape, outlines_of, plate, solid
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.problems import random_configurations
@@ -305,6 +304,45 @@ def _overlap(first: Cell, other: Cell) -> Floats:
     low = np.maximum(first.low[:2], np.minimum(a, b))
     high = np.minimum(first.high[:2], np.maximum(a, b))
     return np.array([low, high])
+
+
+PLATE_FEWEST, PLATE_MOST = 2, 6
+AHEAD = 0.3
+"""Least cosine of the angle between the hidden shape and where it begins: plates across a coil would have to be small.
+"""
+
+PLATE_HOLE, PLATE_THICKNESS = 1.5, 0.5
+PLATE_SMALLEST, LARGEST = 12.0, 16.0
+"""Half the edge of a plate: the largest one that does not cut the hidden shape elsewhere.
+
+All lengths in radii of the body.
+"""
+
+
+def plates(robot: sn.Robot, rng: Generator) -> Sketch | None:
+    """Put two to six plates across the hidden shape, evenly along it but for a little."""
+    radius = min(robot.radii)
+    q = draw_shape(robot, 4.0 * radius, rng, AHEAD)
+    curve = curve_of(robot, q, 40)
+    count = int(rng.integers(PLATE_FEWEST, PLATE_MOST + 1))
+    shares = 0.2 + 0.7 * (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count
+    found: list[sn.Mesh] = []
+    for share in shares:
+        pose = curve.poses[round(share * (len(curve.poses) - 1))]
+        half = largest_half(curve, pose, radius)
+        if half < PLATE_SMALLEST * radius:
+            return None
+        surface = plate(pose, half, PLATE_HOLE * radius, PLATE_THICKNESS * radius)
+        found.append(solid(surface, f"plate {len(found) + 1}"))
+    return Sketch(robot, found, q)
+
+
+def largest_half(curve: Curve, pose: Floats, radius: float) -> float:
+    """Return half the edge of the plate that leaves 1.5 radii to all of the curve that does not go through its hole."""
+    local = (curve.points - pose[:3, 3]) @ pose[:3, :3]
+    across = np.abs(local[:, :2]).max(axis=1)
+    near = (np.abs(local[:, 2]) < 2.0 * radius) & (across > PLATE_HOLE * radius)
+    return min(LARGEST * radius, float(across[near].min(initial=math.inf)) - 2.0 * radius)
 
 
 WALLS, KEYHOLE_THICKNESS = (1, 3), (0.5, 4.0)

@@ -19,7 +19,6 @@ import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.kinematics import link_poses, tip_poses
 from benchmarks.places import cells, media, tubes
-from benchmarks.places.around import drum, duct, pipe, plates, shelf, spheres
 from benchmarks.places.parts import (
     SLENDER,
     Faces,
@@ -339,15 +338,15 @@ Traps = Mapping[str, tuple[Trap, str]]
 """What is drawn around a robot, and what it is, by name."""
 
 _PLAIN: Traps = {
-    **{f"spheres {n}": (partial(spheres, n), f"{n} balls beside the hidden shape") for n in (12, 40, 100)},
+    **{f"spheres {n}": (partial(media.spheres, n), f"{n} balls beside the hidden shape") for n in (12, 40, 100)},
     **{
-        f"pipe {w}": (partial(pipe, w), f"closed curved pipe of {w} times the body's radius, a mesh")
+        f"pipe {w}": (partial(tubes.pipe, w), f"closed curved pipe of {w} times the body's radius, a mesh")
         for w in (2.2, 1.6, 1.3)
     },
-    "plates": (plates, "2 to 6 plates with holes of 1.5 times the body's radius, meshes"),
-    "drum": (drum, "rows of blades on a drum, meshes; the target deep between two blades"),
-    "shelf": (shelf, "a shelf of boxes; the target deep in a compartment"),
-    "duct": (duct, "closed duct of 1.7 times the body's radius with 2 to 4 dead ends, a mesh"),
+    "plates": (cells.plates, "2 to 6 plates with holes of 1.5 times the body's radius, meshes"),
+    "drum": (media.drum, "rows of blades on a drum, meshes; the target deep between two blades"),
+    "shelf": (media.shelf, "a shelf of boxes; the target deep in a compartment"),
+    "duct": (tubes.duct, "closed duct of 1.7 times the body's radius with 2 to 4 dead ends, a mesh"),
 }
 SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
 

@@ -1,6 +1,7 @@
 """Places full of something: struts, rubble, tubes, a porous solid, two plates with pillars; and crowds of parts.
 
-Crowds are hundreds of parts: rods, sheets, hoops, trays of cables, frames of profiles, bodies of one STL.
+Crowds are hundreds of parts: rods, sheets, hoops, trays of cables, frames of profiles, bodies of one STL. And things
+that stand there: balls, a drum with blades, a shelf.
 """
 
 import math
@@ -15,14 +16,17 @@ import sinuous as sn
 from benchmarks.places.parts import (
     Curve,
     Surface,
+    about_z,
     arc,
     around,
     blind_bore,
+    box_between,
     curve_of,
     draw_flat_shape,
     draw_shape,
     joined,
     layered,
+    loft,
     open_tube,
     outlines_of,
     plate,
@@ -409,3 +413,131 @@ def _crowd(
         if len(kept) >= wanted:
             break
     return sketch_of(robot, kept, q, rng)
+
+
+LEAST_RADIUS, MOST_RADIUS = 1.5, 5.0
+LEAST_GAP, MOST_GAP = 0.15, 10.0
+"""Range of the clearance that a ball beside the hidden shape leaves; cubes of an even draw, so that most are close.
+
+All four in radii of the body.
+"""
+
+
+def spheres(count: int, robot: sn.Robot, rng: Generator) -> Sketch:
+    """Put `count` balls beside the hidden shape, each beside a place of its own."""
+    radius = min(robot.radii)
+    q = draw_shape(robot, 3.0 * radius, rng)
+    curve = curve_of(robot, q, 20)
+    found: list[sn.Sphere] = []
+    while len(found) < count:
+        ball = _beside(robot, curve, rng)
+        if np.linalg.norm(curve.points - ball.center, axis=-1).min() >= ball.radius + (1.0 + LEAST_GAP) * radius:
+            found.append(ball)
+    return Sketch(robot, found, q)
+
+
+def _beside(robot: sn.Robot, curve: Curve, rng: Generator) -> sn.Sphere:
+    unit = min(robot.radii)
+    size = unit * rng.uniform(LEAST_RADIUS, MOST_RADIUS)
+    gap = unit * (LEAST_GAP + (MOST_GAP - LEAST_GAP) * rng.random() ** 3)
+    place = curve.points[rng.integers(len(curve.points))]
+    return sn.Sphere(place + (size + unit + gap) * _way(rng), size)
+
+
+BLADE_GAP = (2.8, 3.6)
+"""Distance of neighbouring blades, from middle to middle, at the tip."""
+
+HEIGHT, WIDTH, HUB = (6.0, 12.0), (5.0, 9.0), (6.0, 12.0)
+"""Of a blade, along the radius and along the axis; radius of the drum. All in radii of the body."""
+
+DRUM_THICKNESS = 0.5
+TWIST = (-0.25, 0.25)
+"""By how much a blade turns about the radius from root to end, rad."""
+
+DRUM_ROWS = (1, 3)
+STEPS = 6
+"""Pieces of a blade from root to end."""
+
+
+def drum(robot: sn.Robot, rng: Generator) -> Sketch | None:
+    """Stand the drum before the hidden tip, its axis in the plane that the tip bends in, and grow blades around it."""
+    radius = min(robot.radii)
+    q = draw_shape(robot, 4.0 * radius, rng)
+    tip = curve_of(robot, q, 2).poses[-1]
+    outwards = -tip[:3, 2]
+    axis = tip[:3, :2] @ (q[-1, :2] / np.linalg.norm(q[-1, :2]))
+    hub = radius * rng.uniform(*HUB)
+    height, width = radius * rng.uniform(*HEIGHT), radius * rng.uniform(*WIDTH)
+    above = radius * rng.uniform(1.2, 2.0)
+    center = tip[:3, 3] - outwards * (hub + above)
+    count = int(2.0 * math.pi * (hub + above) / (radius * rng.uniform(*BLADE_GAP)))
+    twist = rng.uniform(*TWIST)
+    # Rows lie on either side of the one with the target, and the target's is not always in the middle of it.
+    middle = rng.uniform(-0.3, 0.3) * width
+    rows, before = int(rng.integers(*DRUM_ROWS)), int(rng.integers(0, 2))
+    frame = np.stack([outwards, np.cross(axis, outwards), axis], axis=-1)
+    pitch = width + 1.5 * radius
+    half = (abs(middle) + rows * pitch) * axis
+    obstacles: list[Obstacle] = [sn.Cylinder(center - half, center + half, hub, name="drum")]
+    for row in range(rows):
+        lift = middle + (row - min(before, rows - 1)) * pitch
+        first = 0.5 if row == min(before, rows - 1) else rng.random()
+        blades = [
+            _blade(2.0 * math.pi * (j + first) / count, hub, height, width, lift, DRUM_THICKNESS * radius, twist)
+            for j in range(count)
+        ]
+        placed = joined(blades)
+        surface = Surface(placed.vertices @ frame.T + center, placed.faces)
+        obstacles.append(solid(surface, f"blades {row + 1}"))
+    return Sketch(robot, obstacles, q)
+
+
+def _blade(
+    angle: float, hub: float, height: float, width: float, lift: float, thickness: float, twist: float
+) -> Surface:
+    """One blade about the z axis, with its root a little in the drum."""
+    shares = np.linspace(0.0, 1.0, STEPS + 1)
+    corners = 0.5 * np.array([[-thickness, -width], [thickness, -width], [thickness, width], [-thickness, width]])
+    rings = []
+    for share in shares:
+        turned = corners @ about_z(twist * share)[:2, :2].T
+        ring = np.stack([np.full(4, 0.98 * hub + share * height), turned[:, 0], lift + turned[:, 1]], axis=-1)
+        rings.append(ring @ about_z(angle)[:3, :3].T)
+    stacked = np.array(rings)
+    return loft(stacked, stacked[[0, -1]].mean(axis=1))
+
+
+OPENING = (3.5, 6.0)
+"""Width and height of a compartment inside."""
+
+DEPTH, BOARD = (5.0, 10.0), 0.4
+"""Of a compartment; thickness of boards. All in radii of the body."""
+
+COLUMNS, SHELF_ROWS = (2, 5), (2, 5)
+
+
+def shelf(robot: sn.Robot, rng: Generator) -> Sketch:
+    """Put the shelf around the hidden tip, open to where it comes from."""
+    radius = min(robot.radii)
+    q = draw_shape(robot, 4.0 * radius, rng)
+    tip = curve_of(robot, q, 2).poses[-1]
+    board = BOARD * radius
+    sizes = np.array([*(radius * rng.uniform(*OPENING, 2)), radius * rng.uniform(*DEPTH)])
+    counts = np.array([rng.integers(*COLUMNS), rng.integers(*SHELF_ROWS)])
+    cell = rng.integers(0, counts)
+    pitch = sizes[:2] + board
+    # The tip: off the middle of its compartment, and near its back.
+    off = rng.uniform(-0.5, 0.5, 2) * (sizes[:2] - 3.0 * radius)
+    low = np.array([*(-(cell + 0.5) * pitch - off), radius * rng.uniform(1.3, 2.5) - sizes[2]])
+    high = np.array([*(low[:2] + counts * pitch), low[2] + sizes[2]])
+    half = 0.5 * board
+    back = np.array([*(low[:2] - half), high[2]]), np.array([*(high[:2] + half), high[2] + board])
+    boards = [box_between(tip, *back, "back")]
+    for axis, kind in enumerate(("side", "shelf")):
+        for i in range(counts[axis] + 1):
+            a, b = low.copy(), high.copy()
+            a[1 - axis] -= half
+            b[1 - axis] += half
+            a[axis], b[axis] = low[axis] + i * pitch[axis] - half, low[axis] + i * pitch[axis] + half
+            boards.append(box_between(tip, a, b, f"{kind} {i + 1}"))
+    return Sketch(robot, boards, q)

@@ -1,4 +1,4 @@
-"""What a body is led through: open pipes, corridors between cells, bores, ducts, branching and tapering tubes."""
+"""What a body is led through: pipes, corridors between cells, bores, ducts, branching and tapering tubes."""
 
 import math
 from functools import partial
@@ -21,6 +21,8 @@ from benchmarks.places.parts import (
     curve_of,
     draw_flat_shape,
     draw_shape,
+    hollow,
+    joined,
     keeps_from_itself,
     lengthened,
     offshoots,
@@ -35,6 +37,9 @@ from sinuous.scene.obstacles import Box, Obstacle
 
 RINGS = 9
 """Rings of a mesh along one segment."""
+
+STEP = 0.25
+"""Between points of axes that a wall is made around on a grid, in radii of the body."""
 
 BEHIND = (0.0, 2.0)
 """How far a pipe goes on behind the base, in radii of the body."""
@@ -234,11 +239,11 @@ def _drilled(robot: Robot, rng: Generator) -> tuple[Floats, Floats, float]:
 BRANCH_WIDTH = (1.4, 2.2)
 """Inner radius of a pipe."""
 
-BRANCH_STEP, BRANCH_CELL = 0.25, 0.75
-"""Between points of the axes, and edge of the cells of the grid that the wall is made on."""
+BRANCH_CELL = 0.75
+"""Edge of the cells of the grid that the wall is made on."""
 
 BRANCH = (10.0, 25.0)
-"""Length of the dead end. All four in radii of the body."""
+"""Length of the dead end. All three in radii of the body."""
 
 WHERE, ANGLE = (0.2, 0.75), (0.6, 0.5 * math.pi)
 """Where it leaves the pipe, of the shape, and at what angle, rad: a T or a Y."""
@@ -251,7 +256,7 @@ def branches(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the shape into a pipe that is open beyond the tip, with a dead end on its way."""
     radius, width = max(robot.radii), rng.uniform(*BRANCH_WIDTH)
     q = draw_shape(robot, 2.2 * (width + WALL) * radius, rng)
-    curve = curve_of(robot, q, math.ceil(q[:, 2].max() / (BRANCH_STEP * radius)))
+    curve = curve_of(robot, q, math.ceil(q[:, 2].max() / (STEP * radius)))
     dead = offshoots(curve.points, partial(_dead_end, curve.poses, radius, rng), 1, TRIES, (width + WALL) * radius)
     if not dead:
         return None
@@ -283,7 +288,7 @@ def _dead_end(poses: Floats, radius: float, rng: Generator) -> Floats:
     at = poses[round(rng.uniform(*WHERE) * (len(poses) - 1))]
     turn, angle = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*ANGLE)
     sideways = at[:3, :2] @ [math.cos(turn), math.sin(turn)]
-    gone = np.arange(0.0, radius * rng.uniform(*BRANCH), BRANCH_STEP * radius)[:, None]
+    gone = np.arange(0.0, radius * rng.uniform(*BRANCH), STEP * radius)[:, None]
     return np.asarray(at[:3, 3] + gone * (math.cos(angle) * at[:3, 2] + math.sin(angle) * sideways))
 
 
@@ -359,8 +364,8 @@ TWIGS, TWIG = (2, 4), (8.0, 20.0)
 TWIG_WIDTH, TWIG_BEND = 0.8, (0.7, 1.6)
 """Inner radius of a twig, of that of the branch it leaves; and the angle by which it bends away, rad."""
 
-VESSEL_STEP, VESSEL_CELL = 0.25, 0.6
-"""Distance of points on the axes of a tree, and edge of the cells of its walls, in radii of the body."""
+VESSEL_CELL = 0.6
+"""Edge of the cells of the walls of a tree, in radii of the body."""
 
 THROATS, THROAT, CHAMBER = (1, 3), (1.25, 1.5), (1.8, 3.0)
 """How many throats a pipe has; and its inner radius there and between them, in radii of the body."""
@@ -396,7 +401,7 @@ def bronchi(robot: Robot, rng: Generator) -> Sketch | None:
     """Lead the shape from the mouth of a tree of tubes, which taper, into one of its leaves."""
     radius, (begin, end) = max(robot.radii), (rng.uniform(*TRUNK), rng.uniform(*LEAF))
     q = draw_shape(robot, 2.2 * (begin + WALL) * radius, rng)
-    samples = math.ceil(q[:, 2].max() / (VESSEL_STEP * radius))
+    samples = math.ceil(q[:, 2].max() / (STEP * radius))
     poses = lengthened(curve_of(robot, q, samples).poses, end * radius)
     main, widths = poses[:, :3, 3], radius * np.linspace(begin, end, len(poses))
     draw, most = partial(_twig, poses, radius, rng), int(rng.integers(TWIGS[0], TWIGS[1] + 1))
@@ -441,5 +446,63 @@ def _twig(poses: Floats, radius: float, rng: Generator) -> Floats:
     at = poses[int(rng.uniform(0.1, 0.8) * len(poses))]
     plane, bend, length = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*TWIG_BEND), radius * rng.uniform(*TWIG)
     coordinates = np.array([bend * math.cos(plane), bend * math.sin(plane), length])
-    points: Floats = arc(at, coordinates, math.ceil(length / (VESSEL_STEP * radius)))[:, :3, 3]
+    points: Floats = arc(at, coordinates, math.ceil(length / (STEP * radius)))[:, :3, 3]
     return points
+
+
+def pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
+    """Wall in the hidden shape with a pipe of `width` times the radius of the body."""
+    radius = min(robot.radii)
+    outside = (width + WALL) * radius
+    q = draw_shape(robot, 2.1 * outside, rng)
+    poses = lengthened(curve_of(robot, q, RINGS).poses, width * radius)
+    return Sketch(robot, [solid(hollow(poses, width * radius, outside), "pipe")], q)
+
+
+DUCT_INSIDE, DUCT_OUTSIDE = 1.7, 2.6
+"""Radii of the wall, in radii of the body."""
+
+DUCT_FEWEST, DUCT_MOST = 2, 4
+DEAD_END = (10.0, 20.0)
+"""Length of a dead end, in radii of the body."""
+
+DEAD_END_BEND = (0.6, 1.8)
+"""Of a dead end, away from the right way, rad."""
+
+DUCT_CELL = 1.0
+"""Of the grid that the wall is made on, in radii of the body."""
+
+DUCT_TRIES = 30
+
+
+def duct(robot: Robot, rng: Generator) -> Sketch | None:
+    """Wall in the hidden shape and some dead ends that leave it."""
+    radius = min(robot.radii)
+    q = draw_shape(robot, 2.1 * DUCT_OUTSIDE * radius, rng)
+    samples = math.ceil(max(q[:, 2]) / (STEP * radius))
+    main = lengthened(curve_of(robot, q, samples).poses, DUCT_INSIDE * radius)
+    draw, wanted = partial(_branch, main, radius, rng), int(rng.integers(DUCT_FEWEST, DUCT_MOST + 1))
+    ends = offshoots(main[:, :3, 3], draw, wanted, DUCT_TRIES, DUCT_OUTSIDE * radius)
+    if len(ends) < DUCT_FEWEST:
+        return None
+    tree = cKDTree(np.concatenate([main[:, :3, 3], *ends]))
+    cell = DUCT_CELL * radius
+    wall = joined([_at(tree, DUCT_OUTSIDE * radius, cell), _at(tree, DUCT_INSIDE * radius, cell).turned])
+    return Sketch(robot, [solid(wall, "duct")], q)
+
+
+def _branch(main: Floats, radius: float, rng: Generator) -> Floats:
+    """Draw an arc that leaves the way somewhere, to any side but the one that the way bends to."""
+    at = int(rng.uniform(0.15, 0.85) * len(main))
+    ahead = main[min(at + 20, len(main) - 1), :3, 3] - main[at, :3, 3]
+    side = main[at, :3, :2].T @ ahead
+    plane = math.atan2(-side[1], -side[0]) + rng.uniform(-1.0, 1.0)
+    bend, length = rng.uniform(*DEAD_END_BEND), radius * rng.uniform(*DEAD_END)
+    coordinates = np.array([bend * math.cos(plane), bend * math.sin(plane), length])
+    points: Floats = arc(main[at], coordinates, math.ceil(length / (STEP * radius)))[:, :3, 3]
+    return points
+
+
+def _at(tree: cKDTree, distance: float, cell: float) -> Surface:
+    """Return the surface at a distance from all points of a tree."""
+    return around(np.asarray(tree.data), distance, cell, lambda points: np.asarray(tree.query(points)[0]) - distance)

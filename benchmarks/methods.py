@@ -157,63 +157,44 @@ class Judge:
 
 
 def solve_in_turns(
-    able: Sequence[Entrant], problems: ProblemSet, *, seconds: float, seed: int
+    able: Sequence[Entrant], problems: ProblemSet, *, seconds: float, seed: int, along: bool = False
 ) -> dict[str, list[Record]]:
-    """Let every method solve every problem from cold, a block at a time, each for at most `seconds`."""
-    solvers = {entrant.label: entrant.solver(problems, seconds, seed) for entrant in able}
-    judge = Judge(problems)
-    records: dict[str, list[Record]] = {label: [] for label in solvers}
-    for first in range(0, len(problems.targets), BLOCK):
-        numbers = range(first, min(first + BLOCK, len(problems.targets)))
-        for label, solver in solvers.items():
-            solver.solve(problems.targets[first])  # warm
-            timed = [_undisturbed(solver, problems.targets[i]) for i in numbers]
-            records[label] += [judge.record(i, *answer) for i, answer in zip(numbers, timed, strict=True)]
-    return records
+    """Let every method solve every problem, a block at a time in turns, each for at most `seconds`.
 
-
-def _undisturbed(solver: sn.Solver, target: sn.Target, start: sn.Solution | None = None) -> tuple[sn.Solution, float]:
-    """Solve, and take the time around the call; again where another process had the processor meanwhile."""
-    for _ in range(TRIES):
-        worked, began = thread_time(), perf_counter()
-        solution = solver.solve(target, start)
-        seconds = perf_counter() - began
-        if seconds - (thread_time() - worked) < STOLEN:
-            break
-    return solution, seconds
-
-
-def follow_in_turns(
-    able: Sequence[Entrant], problems: ProblemSet, *, seconds: float, seed: int
-) -> dict[str, list[Record]]:
-    """Let every method follow the targets as a path, each from the last solved, some waypoints at a time in turns.
-
-    Of the records, `motion` is how far the point of the backbone that moved most is from where it was at the confirmed
-    waypoint before.
+    From cold, or `along` the targets as a path, each from the last solved. Then, of the records, `motion` is how far
+    the point of the backbone that moved most is from where it was at the confirmed waypoint before.
     """
     judge = Judge(problems)
-    tracks = {each.label: _follow(each.solver(problems, seconds, seed), problems.targets) for each in able}
-    found: dict[str, list[tuple[sn.Solution, float]]] = {label: [] for label in tracks}
+    answers = {each.label: _answers(each.solver(problems, seconds, seed), problems.targets, along) for each in able}
+    found: dict[str, list[tuple[sn.Solution, float]]] = {label: [] for label in answers}
     for _ in range(0, len(problems.targets), BLOCK):
-        for label, track in tracks.items():
-            found[label].extend(islice(track, BLOCK))
+        for label, own in answers.items():
+            found[label].extend(islice(own, BLOCK))
     records = {label: [judge.record(i, *each) for i, each in enumerate(own)] for label, own in found.items()}
-    for label, own in records.items():
-        for i, j in pairwise([i for i, record in enumerate(own) if record["right"]]):
+    for label, judged in records.items() if along else ():
+        for i, j in pairwise([i for i, record in enumerate(judged) if record["right"]]):
             shapes = np.stack([found[label][i][0].q, found[label][j][0].q])
             before, after = problems.robot.backbone(shapes, 4)
-            own[j]["motion"] = float(np.linalg.norm(after - before, axis=-1).max())
+            judged[j]["motion"] = float(np.linalg.norm(after - before, axis=-1).max())
     return records
 
 
-def _follow(solver: sn.Solver, targets: Sequence[sn.Target]) -> Iterator[tuple[sn.Solution, float]]:
-    """Follow a path as `track` does, with an answer that does not count at the beginning of each block."""
+def _answers(solver: sn.Solver, targets: Sequence[sn.Target], along: bool) -> Iterator[tuple[sn.Solution, float]]:
+    """Solve, and take the time around the call; again where another process had the processor meanwhile.
+
+    At the beginning of each block comes an answer that does not count. A path is followed as `track` does.
+    """
     start: sn.Solution | None = None
     for i, target in enumerate(targets):
         if i % BLOCK == 0:
             solver.solve(target, start)
-        solution, seconds = _undisturbed(solver, target, start)
-        start = solution if solution.solved else start
+        for _ in range(TRIES):
+            worked, began = thread_time(), perf_counter()
+            solution = solver.solve(target, start)
+            seconds = perf_counter() - began
+            if seconds - (thread_time() - worked) < STOLEN:
+                break
+        start = solution if along and solution.solved else start
         yield solution, seconds
 
 
@@ -320,7 +301,7 @@ def tracking(plan: Plan) -> Experiment:
     Each waypoint begins from the last one solved; a method that fails from there may try its other initial
     configurations. Nothing guarantees that a waypoint can be reached.
     """
-    everyone, solve = entrants(), partial(follow_in_turns, seconds=PAPER_BUDGET, seed=plan.seed)
+    everyone, solve = entrants(), partial(solve_in_turns, seconds=PAPER_BUDGET, seed=plan.seed, along=True)
     parts = {}
     for spheres, count in ({10: 1, 40: 1} if plan.quick else SCENES).items():
         paths = [partial(_path, plan, spheres, number) for number in range(count)]

@@ -135,7 +135,7 @@ class Case(NamedTuple):
     tips: dict[str, Floats]
 
 
-def tendon_robot(_: Plan) -> list[Line]:
+def tendon_robot(_: Plan) -> Iterator[Line]:
     """Distances of tips, and the time of one equilibrium from the straight robot."""
     robot = the_tendon_robot()
     errors, others, seconds, names = [], [], [], []
@@ -152,21 +152,12 @@ def tendon_robot(_: Plan) -> list[Line]:
         errors.append(off["VCref"])
         others.append(250.0 * float(np.linalg.norm(case.tips["PCC"] - case.tips["VCref"])))
     note = "PCC there {:.2g} % in the median. {}".format(np.median(others), "; ".join(names))
+    yield Line(TENDON_ROBOT, "distance of the tip, median", float(np.median(errors)), "%", Goal(0.1), note=note)
+    yield Line(TENDON_ROBOT, "distance of the tip, 95 %", float(np.quantile(errors, 0.95)), "%", Goal(0.5))
+    yield Line(TENDON_ROBOT, "share within 0.5 %", 100.0 * float(np.mean(np.array(errors) <= 0.5)), "%")
     times, what = Times.of(seconds), "one equilibrium, from the straight robot"
-    return [
-        Line(TENDON_ROBOT, "distance of the tip, median", float(np.median(errors)), "%", Goal(0.1), note=note),
-        Line(TENDON_ROBOT, "distance of the tip, 95 %", float(np.quantile(errors, 0.95)), "%", Goal(0.5)),
-        Line(TENDON_ROBOT, "share within 0.5 %", 100.0 * float(np.mean(np.array(errors) <= 0.5)), "%"),
-        Line(
-            TENDON_ROBOT,
-            what,
-            times.median,
-            "us",
-            Goal(100e-6),
-            times,
-            note="there 18 to 1,900 ms; compiled code alone",
-        ),
-    ]
+    note = "there 18 to 1,900 ms; compiled code alone"
+    yield Line(TENDON_ROBOT, what, times.median, "us", Goal(100e-6), times, note=note)
 
 
 def _alone(found: sn.answer.Equilibrium) -> float:
@@ -266,7 +257,7 @@ LOWEST, LARGEST = np.array([10e3, 1000.0, 0.4]), np.array([1e6, 2000.0, 0.5])
 """Within which they are fitted, as the makers did."""
 
 
-def tentacle(_: Plan) -> list[Line]:
+def tentacle(_: Plan) -> Iterator[Line]:
     """Distances of markers with the nominal material, and with three parameters that are fitted."""
     loads, markers = read_tentacle()
 
@@ -277,10 +268,8 @@ def tentacle(_: Plan) -> list[Line]:
     fit = least_squares(residual, (0.9, 0.8, 0.95), bounds=limits, diff_step=[1e-3], xtol=1e-4)
     note = ", ".join(f"{value:.4g}" for value in NOMINAL * fit.x) + " (Pa, kg / m^3); published 15.8 mm"
     what = "rms of markers, fitted E, density, Poisson's ratio"
-    return [
-        Line(TENTACLE, "rms of markers, nominal", _rms(residual(np.ones(3))), "mm", note="published 36.8 mm"),
-        Line(TENTACLE, what, _rms(fit.fun), "mm", Goal(15.8), note=note),
-    ]
+    yield Line(TENTACLE, "rms of markers, nominal", _rms(residual(np.ones(3))), "mm", note="published 36.8 mm")
+    yield Line(TENTACLE, what, _rms(fit.fun), "mm", Goal(15.8), note=note)
 
 
 def _rms(residual: Floats) -> float:
@@ -355,7 +344,7 @@ def loaded_robot(sections: int) -> sn.Robot:
     return sn.Robot([segment] * sections, gravity=GRAVITY, payload=sn.Payload(CARRIED))
 
 
-def solves(sections: int, spheres: int, goal: float, plan: Plan) -> list[Line]:
+def solves(sections: int, spheres: int, goal: float, plan: Plan) -> Iterator[Line]:
     """Targets that are known to be reached by a loaded body that is clear; a few answers are computed as a rod."""
     count, judged, random = plan.count(60, 10), plan.count(8, 2), np.random.default_rng(sections + spheres)
     robot, scene = loaded_robot(sections), list(_balls(random, spheres))
@@ -369,13 +358,11 @@ def solves(sections: int, spheres: int, goal: float, plan: Plan) -> list[Line]:
     times = Times.of(seconds)
     told = f"{judged} answers; worst {max(errors):.2g} %"
     agrees = 100.0 * float(np.mean(np.array(errors) <= NEAR))
-    return [
-        Line(SECTION, f"{what}: a solve", times.median, "ms", Goal(goal), times, (solved, count)),
-        Line(SECTION, f"{what}: solved", 100.0 * solved / count, "%", Goal(99.9, at_most=False)),
-        Line(SECTION, f"{what}: answers that do not verify", float(wrong), "", Goal(0.0, correctness=True)),
-        Line(SECTION, f"{what}: tip of a Cosserat rod off by, median", float(np.median(errors)), "%"),
-        Line(SECTION, f"{what}: off by at most {NEAR} %", agrees, "% of answers", note=told),
-    ]
+    yield Line(SECTION, f"{what}: a solve", times.median, "ms", Goal(goal), times, (solved, count))
+    yield Line(SECTION, f"{what}: solved", 100.0 * solved / count, "%", Goal(99.9, at_most=False))
+    yield Line(SECTION, f"{what}: answers that do not verify", float(wrong), "", Goal(0.0, correctness=True))
+    yield Line(SECTION, f"{what}: tip of a Cosserat rod off by, median", float(np.median(errors)), "%")
+    yield Line(SECTION, f"{what}: off by at most {NEAR} %", agrees, "% of answers", note=told)
 
 
 def _balls(random: np.random.Generator, count: int) -> Iterator[sn.Sphere]:
@@ -473,7 +460,7 @@ DT = 0.02
 """Seconds of a control step."""
 
 
-def control_steps(plan: Plan) -> list[Line]:
+def control_steps(plan: Plan) -> Iterator[Line]:
     """Loops with twists that turn round, of a body under load and of the same robot without; each from where it is."""
     count, random = plan.count(1000, 100), np.random.default_rng(plan.seed)
     hanging = loaded_robot(2).changed(arcs=8)
@@ -484,13 +471,11 @@ def control_steps(plan: Plan) -> list[Line]:
         seconds, steps = stepped(sn.Solver(robot, scene), q, twists[:count], DT)
         times.append((Times.of(seconds), sum(step.proved for step in steps)))
     (loaded, proved), (free, _) = times
-    return [
-        Line(STEPPED, "a step: median", loaded.median, "ms", Goal(1e-3), loaded, note=f"{proved} of {count} proved"),
-        Line(STEPPED, "a step: p99", loaded.p99, "ms", Goal(5e-3), loaded),
-        Line(STEPPED, "a step: worst", loaded.worst, "ms", None, loaded),
-        Line(STEPPED, "the same without load: median", free.median, "us", None, free),
-        Line(STEPPED, "a step under load, in steps without", loaded.median / free.median, "", Goal(10.0)),
-    ]
+    yield Line(STEPPED, "a step: median", loaded.median, "ms", Goal(1e-3), loaded, note=f"{proved} of {count} proved")
+    yield Line(STEPPED, "a step: p99", loaded.p99, "ms", Goal(5e-3), loaded)
+    yield Line(STEPPED, "a step: worst", loaded.worst, "ms", None, loaded)
+    yield Line(STEPPED, "the same without load: median", free.median, "us", None, free)
+    yield Line(STEPPED, "a step under load, in steps without", loaded.median / free.median, "", Goal(10.0))
 
 
 SOLVED: dict[str, Part] = {

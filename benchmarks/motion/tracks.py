@@ -1,10 +1,11 @@
 """Paths: the paper's 180 waypoints behind random spheres; each step is proved."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import pairwise
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,22 +27,13 @@ FALSE = "paths: steps called proved in which a judge finds a collision"
 TIP = "paths: tip farther from a waypoint than the tolerance"
 
 
-class Followed(NamedTuple):
-    """What came of it.
+Followed = tuple[list[float], Counter[str]]
+"""Seconds of every waypoint, and counts.
 
-    Seconds of every waypoint; how many were solved, and reached by proved motion; how often the robot was reconfigured,
-    whether the tip left a line between two waypoints then, and whether it does not where that is refused; what is
-    wrong.
-    """
-
-    seconds: list[float]
-    solved: int
-    reached: int
-    reconfigured: int
-    left: bool
-    whole: bool
-    wrong: int
-    missed: int
+How many were `solved`, and `reached` by proved motion; how often the robot was `reconfigured`, whether the tip `left` a
+line between two waypoints then, and whether the path is followed `whole` where that is refused; steps that are called
+proved and are `wrong`, and waypoints that the tip `missed`.
+"""
 
 
 def measure(plan: Plan, segments: int) -> Iterator[Line]:
@@ -50,20 +42,20 @@ def measure(plan: Plan, segments: int) -> Iterator[Line]:
         what = f"{segments} segments, {spheres} spheres"
         paths = [(segments, spheres, 1000 * plan.seed + i) for i in range(plan.count(SEEDS, 1))]
         followed = list(in_processes(follow, paths, alone=plan.quick))
-        times = Times.of([second for one in followed for second in one.seconds])
-        solved, reached, around = (
-            sum(getattr(one, name) for one in followed) for name in ("solved", "reached", "reconfigured")
-        )
+        times = Times.of([second for seconds, _ in followed for second in seconds])
+        total = Counter[str]()
+        for _, counts in followed:
+            total += counts
+        solved = total["solved"]
         tried = times.count
-        note = f"{tried - solved} of {tried} waypoints were not solved; reconfigured {around} times"
-        yield Line(REACHED, what, 100.0 * reached / max(1, solved), "%", Goal(99.9, at_most=False), note=note)
+        note = f"{tried - solved} of {tried} waypoints were not solved; reconfigured {total['reconfigured']} times"
+        yield Line(REACHED, what, 100.0 * total["reached"] / max(1, solved), "%", Goal(99.9, at_most=False), note=note)
         for section, name in ((LEFT, "left"), (WHOLE, "whole")):
-            yield Line(section, what, 100.0 * sum(getattr(one, name) for one in followed) / len(followed), "%")
+            yield Line(section, what, 100.0 * total[name] / len(followed), "%")
         yield Line(WAYPOINT, what, times.median, "us", Goal(60e-6), times)
         yield Line(WORST, what, times.worst, "ms", Goal(50e-3))
         for section, name in ((FALSE, "wrong"), (TIP, "missed")):
-            count = sum(getattr(one, name) for one in followed)
-            yield Line(section, what, count, "", Goal(0.0, correctness=True))
+            yield Line(section, what, total[name], "", Goal(0.0, correctness=True))
 
 
 PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {
@@ -79,16 +71,16 @@ def follow(path: tuple[int, int, int]) -> Followed:
     load_trees(problems.robot, problems.scene.snapshot())  # what re-configures the robot is warm, too
     motion, seconds = _track(problems)
     solved = sum(solution.solved for solution in motion.solutions)
-    return Followed(
-        seconds,
-        solved,
-        solved - _unproved(motion),
-        len(motion.reconfigured),
-        bool(motion.left_steps),
-        _track(problems, "refuse")[0].solved if motion.left_steps else motion.solved,
-        sum(bool(wrong_in(problems.robot, problems.scene, knots)) for knots in _proved_runs(motion)),
-        _missed(problems, motion),
-    )
+    counts = {
+        "solved": solved,
+        "reached": solved - _unproved(motion),
+        "reconfigured": len(motion.reconfigured),
+        "left": bool(motion.left_steps),
+        "whole": _track(problems, "refuse")[0].solved if motion.left_steps else motion.solved,
+        "wrong": sum(bool(wrong_in(problems.robot, problems.scene, knots)) for knots in _proved_runs(motion)),
+        "missed": _missed(problems, motion),
+    }
+    return seconds, Counter(counts)
 
 
 def _track(problems: ProblemSet, reconfigure: Reconfigure = "allow") -> tuple[sn.Motion, list[float]]:

@@ -5,9 +5,9 @@ At the end stands what a problem file says: a robot, what stands around it, and 
 The parameters of the constructor of a noun are the keys that may stand in its mapping.
 """
 
-import inspect
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache, partial
+from inspect import Parameter
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -17,6 +17,7 @@ import numpy as np
 from sinuous.base import checks
 from sinuous.base.checks import MOST_SEGMENTS, Floats, few, segment_number
 from sinuous.base.errors import WANTED, InputError, suggested
+from sinuous.base.frozen import parameters
 from sinuous.base.text_tables import axis_of, read_table
 from sinuous.files.documents import join, parse_json, read_part, read_text
 from sinuous.files.urdf_joints import read_joints
@@ -105,8 +106,8 @@ def read_each(read: Callable[[Any], Noun], entries: Iterable[Any]) -> list[Noun]
 @cache
 def keys_of(constructor: Callable[..., Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names of all parameters, and of those that have no default."""
-    parameters = inspect.signature(constructor).parameters
-    return tuple(parameters), tuple(name for name, p in parameters.items() if p.default is p.empty)
+    known = parameters(constructor)
+    return tuple(name for name, _ in known), tuple(name for name, default in known if default is Parameter.empty)
 
 
 def known_entries(value: Any, known: Iterable[str], required: Iterable[str] = ()) -> dict[str, Any]:

@@ -79,7 +79,16 @@ class TipLine:
         """Where the direction turns to (3,) and by how much (rad), opposite ones about any axis; `None` of the same."""
         assert self.begin.direction is not None
         assert self.end.direction is not None
-        return _turn_between(self.begin.direction, self.end.direction)
+        a, b = self.begin.direction, self.end.direction
+        along = float(a @ b)
+        across = b - along * a
+        length = float(np.linalg.norm(across))
+        if length < 1e-12:
+            if along > 0.0:
+                return None
+            across = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
+            length = float(np.linalg.norm(across))
+        return across / length, math.atan2(length if along > -1.0 else 0.0, along)
 
     def rotations(self, share: float | Floats) -> Floats:
         """Return the orientation (3, 3) at a share of the line, or at many (k, 3, 3), where one is asked for."""
@@ -145,14 +154,8 @@ class TipLine:
             rows[1], rows[2:] = (self._turn[0], 3.0, 0.0), self.begin.rotation.T
             return rows
         assert self.begin.direction is not None
-        assert self.end.direction is not None
-        (ax, ay, az), (bx, by, bz) = self.begin.direction.tolist(), self.end.direction.tolist()
-        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        sine, cosine = math.sqrt(x * x + y * y + z * z), ax * bx + ay * by + az * bz
         rows[1, 1], rows[2] = 1.0, self.begin.direction
-        if sine > 1e-12:
-            rows[0], rows[1, 0] = (x / sine, y / sine, z / sine), math.atan2(sine, cosine)
-        elif self._great_circle is not None:
+        if self._great_circle is not None:
             across, rows[1, 0] = self._great_circle
             rows[0] = np.cross(self.begin.direction, across)
         return rows
@@ -173,18 +176,6 @@ def _kind(target: Target) -> tuple[bool, bool, bool, int | None]:
     asked = (target.position, target.direction, target.rotation)
     position, direction, rotation = (one is not None for one in asked)
     return position, direction, rotation, target.segment
-
-
-def _turn_between(a: Floats, b: Floats) -> tuple[Floats, float] | None:
-    along = float(a @ b)
-    across = b - along * a
-    length = float(np.linalg.norm(across))
-    if length < 1e-12:
-        if along > 0.0:
-            return None
-        across = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
-        length = float(np.linalg.norm(across))
-    return across / length, math.atan2(length if along > -1.0 else 0.0, along)
 
 
 class Knot(NamedTuple):

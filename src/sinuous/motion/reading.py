@@ -36,7 +36,8 @@ def read_motion(file: str | Path, robot: Robot | None, scene: SceneLike | Snapsh
         if ending == ".npz":
             return Motion.from_npz(file, own, scene)
         with checks.in_file(file):
-            return _proved(own, *_read_table(read_text(Path(file)), own), scene)
+            q, times = _read_table(read_text(Path(file)), own)
+            return Motion(own, q, scene, times)
     values = _values(file)
     if isinstance(values, dict) and "motion" in values:
         if robot is not None:
@@ -45,13 +46,14 @@ def read_motion(file: str | Path, robot: Robot | None, scene: SceneLike | Snapsh
     own = _needed(file, robot)
     with checks.in_file(file):
         if isinstance(values, dict) and "joint_names" in values:
-            return _proved(own, *_read_ros(values, own), scene)
+            q, times = _read_ros(values, own)
+            return Motion(own, q, scene, times)
         if isinstance(values, dict) and "knots" in values:
             joined = (
                 own.configuration("knots", values["knots"], values.get("joints")) if own.joints else values["knots"]
             )
             knots = checks.rows("knots", joined, len(own), 3)
-            return _proved(own, knots, checks.increasing("times", values.get("times"), len(knots)), scene)
+            return Motion(own, knots, scene, checks.increasing("times", values.get("times"), len(knots)))
         expected = "a motion, a result with knots, or a JointTrajectory (joint_names, points)"
         raise InputError("file", "holds no motion", sorted(values) if isinstance(values, dict) else values, expected)
 
@@ -73,10 +75,6 @@ def _values(file: str | Path) -> Any:
         return json.loads(lines[0]) if len(lines) == 1 else json.loads("\n".join(lines))
     except ValueError as error:
         raise InputError("file", f"no JSON: {error}", None, "a motion, or one result", str(file)) from None
-
-
-def _proved(robot: Robot, q: Floats, times: Floats, scene: SceneLike | Snapshot | None) -> Motion:
-    return Motion(robot, q, scene, times)
 
 
 def _read_table(text: str, robot: Robot) -> tuple[Floats, Floats]:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.model.rates import Spread
@@ -162,12 +163,10 @@ class _Limits:
 
 def _solved(points: Floats, limits: _Limits) -> tuple[Floats, Floats]:
     """Accelerations (M,) and speeds (M + 1,) of s on a grid of points (M + 1,); toppra says where one can brake."""
-    try:
-        from toppra import SimplePath  # noqa: PLC0415
-        from toppra.algorithm import TOPPRA  # noqa: PLC0415
-        from toppra.constraint import LinearConstraint  # noqa: PLC0415
-    except ImportError:
-        raise InputError("blend", "needs toppra", None, "it installed: pip install sinuous[timing]") from None
+    checks.needed("toppra", "timing", "blend")
+    from toppra import SimplePath  # noqa: PLC0415
+    from toppra.algorithm import TOPPRA  # noqa: PLC0415
+    from toppra.constraint import LinearConstraint  # noqa: PLC0415
 
     class Given(LinearConstraint):  # type: ignore[misc]
         """Numbers that are there already."""

@@ -115,9 +115,7 @@ def _check_stl(file: Path) -> tuple[bytes, bool, list[str]]:
         count = int(np.frombuffer(content, "<u4", 1, STL_HEADER - 4)[0])
         header, content = content[: STL_HEADER - 4], content[: STL_HEADER + STL_TRIANGLE * count]
     else:
-        text = re.sub(
-            r"\bend\s+(solid|facet|loop)\b", r"end\1", content.decode("utf-8", "replace"), flags=re.IGNORECASE
-        )
+        text = END.sub(r"end\1", content.decode("utf-8", "replace"))
         facets, ends = (len(re.findall(word, text, re.IGNORECASE)) for word in (r"\bfacet\s+normal\b", r"\bendfacet\b"))
         if facets != ends or "endsolid" not in text.lower():
             raise InputError("file", f"truncated: the text ends in facet {facets}", str(file), "endsolid at its end")

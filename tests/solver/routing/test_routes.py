@@ -90,7 +90,7 @@ def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target
 
     with ThreadPoolExecutor(4) as threads:
         assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
-    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(CELLS[1])
+    assert sum(buffer.nbytes for buffer in MEMORY._kept) <= 2 * 8 * memory_size(CELLS[1])
 
 
 def test_a_robot_much_longer_than_its_route_is_stowed_beside_it() -> None:

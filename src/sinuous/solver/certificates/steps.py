@@ -515,21 +515,16 @@ class Prover:
 
 
 def prove_steps(
-    robot: Robot,
-    scene: Snapshot,
-    knots: Floats,
-    slack: float = SLACK,
-    seconds: float = SECONDS,
-    times: Floats | None = None,
+    robot: Robot, scene: Snapshot, knots: Floats, slack: float = SLACK, times: Floats | None = None
 ) -> Steps:
     """Prove the motions linear in q between neighbouring `knots` (T, n, 3), which are within all limits.
 
     `slack`: how far below the truth clearances may be, as a share of them; with 1 it is enough that they are greater
-    than 0. `seconds` are those of a step, on average. `times` (T,) count where obstacles move; a step whose clearance
+    than 0. `times` (T,) count where obstacles move; a step whose clearance
     is not bounded so tightly in this time is then proved clear at least, where that is possible.
     """
     prover, path = Prover(robot, scene), np.array(knots, np.float64)
-    answers = prover.prove(path, slack, seconds, times)
+    answers = prover.prove(path, slack, SECONDS, times)
     if times is not None and scene.moves:
         for i in np.flatnonzero(answers[:, VERDICT] == UNDECIDED).tolist():
             again = prover.prove(path[i : i + 2], 1.0, LOOSE_SECONDS, times[i : i + 2])[0]

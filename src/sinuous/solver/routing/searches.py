@@ -88,11 +88,6 @@ class BufferPool:
             return np.empty(size)
         return buffer if len(buffer) >= size else np.empty(size)
 
-    @property
-    def kept_bytes(self) -> int:
-        """Bytes of all buffers that are kept at the moment."""
-        return sum(buffer.nbytes for buffer in list(self._kept))
-
 
 COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""

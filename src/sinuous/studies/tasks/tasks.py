@@ -2,7 +2,7 @@
 
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 from sinuous.answer.binding import Binding, nearest_limits
@@ -239,10 +239,6 @@ def _word(binding: Binding) -> str:
     return {"clearance": "obstacles", "self_clearance": "itself"}.get(binding.constraint, binding.constraint)
 
 
-OF_TYPES: dict[type[Any], Callable[[Any], Task]] = {Target: Meet, list: Meet, tuple: Meet, Meet: lambda t: t}
-"""How what is given becomes a task; a kind of task of its own, like `Follow`, is one already."""
-
-
 def read_tasks(tasks: Any) -> dict[str, Task]:
     """Check tasks: by name, or listed, when they are called `task 1`, `task 2`, ...
 
@@ -265,7 +261,7 @@ def read_tasks(tasks: Any) -> dict[str, Task]:
 def _task(name: str, task: Any) -> Task:
     if hasattr(task, "do") and hasattr(task, "check"):
         return task
-    if type(task) not in OF_TYPES:
+    if not isinstance(task, Target | list | tuple):
         raise InputError(
             f"tasks[{name!r}]",
             "",
@@ -273,4 +269,4 @@ def _task(name: str, task: Any) -> Task:
             "a Target, a list of them to be met at once, Follow(path), Cover(targets), or Move(goal)",
         )
     with checks.inside(f"tasks[{name!r}]"):
-        return OF_TYPES[type(task)](task)
+        return Meet(task)

@@ -272,14 +272,8 @@ def _place(gizmo: TransformControlsHandle, frame: Floats) -> None:
     off = float(np.abs(gizmo.position - frame[:3, 3]).max())
     if off > 1e-12 + 1e-9 * float(np.abs(frame[:3, 3]).max()):
         gizmo.position = frame[:3, 3]
-    if float(np.abs(_axis(gizmo.wxyz) - frame[:3, 2]).max()) > 1e-6:
+    if float(np.abs(nodes.rotation_of(gizmo.wxyz)[:, 2] - frame[:3, 2]).max()) > 1e-6:
         gizmo.wxyz = nodes.quaternion_of(frame[:3, :3])
-
-
-def _axis(quaternion: Floats) -> Floats:
-    """The z axis (3,) of a frame whose rotation is this quaternion wxyz."""
-    w, x, y, z = quaternion.tolist()
-    return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
 def _contents(model: PageModel) -> Contents:

@@ -8,6 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.files.nouns import read_robot
+from sinuous.kernels.tables import HOME
 from tests.helpers import refused
 
 FREE = sn.Robot([sn.Segment((0.8, 1.2), 2.0, name="s1"), sn.Segment(1.0, 1.5, name="tip")])
@@ -74,6 +75,22 @@ def test_planes_turn_with_the_base() -> None:
     turned[..., :2] = q[..., :2] @ turn[:2, :2].T
     assert other.excess(turned) <= 1e-15
     np.testing.assert_allclose(one.tip(q)[..., :3, 3], other.tip(turned)[..., :3, 3], atol=1e-14)
+
+
+def stuck(first: float, second: float) -> sn.Robot:
+    """A section stuck in a bend before one in a plane: how far the tendons of both may be let out."""
+    first_tendons, second_tendons = (sn.Tendons(4, 0.05, displacement=(-out, 0.1)) for out in (first, second))
+    stays = sn.Segment((0.8, 1.2), 2.0, tendons=first_tendons, locked=(0.4, None, None))
+    return sn.Robot([stays, sn.Segment((0.8, 1.2), 2.0, tendons=second_tendons, plane=0.0)])
+
+
+def test_home_is_within_all_limits_or_there_is_no_robot() -> None:
+    for second, bend, length in ((0.025, 0.0, -1.0), (0.015, -0.1, 1.0)):
+        robot = stuck(0.025, second)
+        home = robot.limits[:, HOME : HOME + 3]
+        np.testing.assert_allclose(home, [[0.4, 0.0, length], [bend, 0.0, length]], atol=1e-9)
+        assert robot.excess(home * [1.0, 1.0, length]) <= 1e-11
+    refused("actuators", lambda: stuck(0.015, 0.025), "no shape is within their limits", "wider limits")
 
 
 def test_what_cannot_be_meant_is_refused() -> None:

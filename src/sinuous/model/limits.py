@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from sinuous.base.arguments import LimitKind, RateKind
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.kernels.packing import BendLine
+from sinuous.kernels.packing import ANY_LENGTH, BendLine
 from sinuous.model.actuation import Actuation, Actuator
 from sinuous.model.joints import RigidRow
 from sinuous.model.segment import Segment
@@ -72,6 +72,9 @@ USED_UP = 3e-3
 
 MOST_CUTS = 100
 """Most times that a configuration is brought within limits that it violates, linear there; a few are usual."""
+
+HOME_ROUNDING = 1e-12
+"""By how much, relative to their weights, straight robots may be outside limits of actuators."""
 
 CUT_INSET = 0.1
 """How far within a limit it is brought, as a share of what rounding may exceed it by."""
@@ -243,6 +246,29 @@ class LimitSet:
                 break
             x = (found[0] * scale).reshape(q.shape)
         raise InputError("q", "no configuration within all limits was found near it", q.tolist(), "one nearer to them")
+
+    def homes(self) -> list[tuple[float, float, float]]:
+        """Where segments go when limits of actuators are to be kept: bends, and lengths or -1 where any length will do.
+
+        Raises
+        ------
+        InputError
+            When limits of actuators leave no shape of what is locked, or in one plane.
+        """
+        own, drive = self._drive.coordinates, self._drive
+        if own.free:
+            return [ANY_LENGTH] * len(own.bends)
+        bends = np.array([each.home if isinstance(each, BendLine) else (0.0, 0.0) for each in own.bends])
+        shape = np.column_stack([bends, 0.5 * own.lengths.sum(axis=1)])
+        middle, spread = drive.displacements(shape), 0.5 * np.abs(drive.jacobian[:, 2::3]) @ np.ptp(own.lengths, axis=1)
+        room = np.minimum(middle - spread - drive.limits[:, 0], drive.limits[:, 1] - middle - spread)
+        if (room >= -HOME_ROUNDING * np.abs(drive.jacobian).sum(axis=1)).all():
+            return [(x, y, -1.0) for x, y in bends.tolist()]
+        try:
+            return [(x, y, length) for x, y, length in self.clamp(shape).tolist()]
+        except InputError:
+            problem = "no shape is within their limits and what is locked or in one plane"
+            raise InputError("actuators", problem, None, "wider limits") from None
 
     def _cuts(self, q: Floats) -> Iterator[tuple[Floats, float]]:
         """Yield a row (3 n,) for every limit that a configuration violates, and what its sum must be at most."""

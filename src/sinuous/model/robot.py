@@ -43,7 +43,6 @@ from sinuous.base.frozen import Frozen, NotebookMixin, call, text
 from sinuous.kernels import packing, tables
 from sinuous.model.actuation import Actuation, Actuator, coupled_rows
 from sinuous.model.actuators import Actuators, Chambers, Tendons
-from sinuous.model.coordinates import find_home
 from sinuous.model.inverse import Inverse, answer_contradictions, fitting
 from sinuous.model.joints import (
     Joint,
@@ -295,9 +294,6 @@ class Robot(NotebookMixin, Frozen):
         held = drive.coordinates
         coupled = () if coupling is None else coupled_rows(coupling, drive.linear_scales, held)
         actuation = packing.actuator_table([*drive.limit_rows(), *coupled])
-        homes = find_home(held, actuation)
-        rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)
-        table = packing.segment_table(with_links([packing.segment_row(*row) for row in rows], rigid))
         self._set(
             segments=listed,
             joints=given_joints,
@@ -320,10 +316,12 @@ class Robot(NotebookMixin, Frozen):
             radii=radii,
             needed_radii=needed,
             self_radii=own,
-            limits=table,
             actuation=actuation,
             drive=drive,
         )
+        homes = self.limit_set.homes()
+        rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)
+        self._set(limits=packing.segment_table(with_links([packing.segment_row(*row) for row in rows], rigid)))
 
     @classmethod
     def uniform(

@@ -4,7 +4,7 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import FrozenInstanceError, is_dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -41,10 +41,15 @@ class ShortRepr:
                 yield f"{name}={text(value)}"
 
 
-@cache
+_KNOWN: dict[Any, tuple[tuple[str, Any], ...]] = {}
+"""Parameters of constructors that were asked for: to look at a signature takes some ten microseconds."""
+
+
 def parameters(noun: Callable[..., Any]) -> tuple[tuple[str, Any], ...]:
-    """Names and defaults of all parameters of a constructor: to look at a signature takes some ten microseconds."""
-    return tuple((each.name, each.default) for each in inspect.signature(noun).parameters.values())
+    """Names and defaults of all parameters of a constructor."""
+    if noun not in _KNOWN:
+        _KNOWN[noun] = tuple((each.name, each.default) for each in inspect.signature(noun).parameters.values())
+    return _KNOWN[noun]
 
 
 def call(name: str, parts: Iterable[str]) -> str:

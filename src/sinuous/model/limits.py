@@ -219,10 +219,6 @@ class LimitSet:
             return np.ones(q.shape[:-2], np.bool_)
         return elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
 
-    def project(self, q: Floats) -> Floats:
-        """Configurations (..., n, 3) brought within the limits of segments: first their lengths, then their bends."""
-        return self._drive.coordinates.project(q)
-
     def clamp(self, q: Floats) -> Floats:
         """Return the configuration (n, 3) within all limits that is nearest to `q`; see `Robot.clamp`.
 

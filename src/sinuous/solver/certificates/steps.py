@@ -355,11 +355,6 @@ class Steps:
         return cls(answers, demanded)
 
     @property
-    def until(self) -> Floats:
-        """Share of each motion, from its beginning, that is proved (m,)."""
-        return self.answers[:, UNTIL]
-
-    @property
     def clearances(self) -> Floats:
         """Proved lower bounds of the clearance in each motion (m,); infinite without obstacles."""
         return self.answers[:, CLEARANCES] + self.demanded[0]

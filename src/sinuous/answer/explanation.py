@@ -6,7 +6,7 @@ from typing import Any
 from sinuous.answer.binding import Binding, in_words, nearest_limits
 from sinuous.answer.remedies import Remedy, find_remedies
 from sinuous.answer.residual import residual_under_load
-from sinuous.answer.solve_again import UnknownOptions
+from sinuous.answer.solve_again import SolveAgain
 from sinuous.answer.status import Reason, Status
 from sinuous.answer.trials import Case, Trials
 from sinuous.base.documents import result_of
@@ -109,7 +109,7 @@ def explain(case: Case, sentence: str, end: float, seconds: float) -> Explanatio
     own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot.segments)
     if case.status is Status.SOLVED:
         return Explanation(*own, nearest_limits(case.problem, case.q), (), "", True, count)
-    if isinstance(case.resolver, UnknownOptions):
+    if type(case.resolver) is SolveAgain:  # read from a file
         return Explanation(*own, (), (), LOADED, True, count)
     trials = Trials(case, end)
     remedies = find_remedies(trials, case)

@@ -30,7 +30,9 @@ class FoundSolution(Protocol):
 
 @dataclass(frozen=True)
 class SolveAgain:
-    """Solves problems with the options of an earlier solve; small, and can be pickled.
+    """Solves problems with the options of an earlier solve, where they are known; small, and can be pickled.
+
+    A file of a solution does not say them: then this stands in, and refuses.
 
     Attributes
     ----------
@@ -52,29 +54,17 @@ class SolveAgain:
     preferences: Preferences = field(default_factory=Preferences)
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
-        """Whether answers with this proved clearance are not merely the nearest.
+        """Whether answers with this proved clearance are not merely the nearest, as far as that is known.
 
         They are chosen by preferences, or moved out of contact.
         """
-        raise NotImplementedError
+        return False
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:
         """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
 
         Among them may be `within`: the changes from there that are allowed.
         """
-        raise NotImplementedError
-
-
-class UnknownOptions(SolveAgain):
-    """Stands in where a solution was read from a file, which does not say with which options it was found."""
-
-    def chooses(self, robot: Robot, clearance: float) -> bool:
-        """Return False: how they were chosen is not known."""
-        return False
-
-    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> FoundSolution:
-        """Refuse: see the class."""
         raise InputError(
             "solution",
             "was read from a file, which does not say its options",
@@ -87,7 +77,7 @@ _STATUSES = tuple(status for status in Status if status not in (Status.START_BLO
 """What a solve may end with; motions alone can be blocked at their start, or leave their path."""
 
 
-def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, UnknownOptions, RouteClass | None]:
+def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, SolveAgain, RouteClass | None]:
     """Read the result of a problem, as `Solution.to_dict` writes it; keys that are not needed are not looked at.
 
     Raises
@@ -116,7 +106,7 @@ def read_result(values: Any, problem: Problem) -> tuple[t.Outcome, UnknownOption
         result.number("seconds"),
         _cell(result) if status == Status.NO_ROUTE else math.nan,
     )
-    resolver = UnknownOptions(result.text("method"), result.integer("seed", 2**31 - 1))
+    resolver = SolveAgain(result.text("method"), result.integer("seed", 2**31 - 1))
     return outcome, resolver, _route_class(values)
 
 

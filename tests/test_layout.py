@@ -127,3 +127,20 @@ def test_no_two_classes_have_one_name() -> None:
                 places.setdefault(node.name, []).append(module(file))
     twice = [f"{name}: {', '.join(there)}" for name, there in places.items() if len(there) > 1]
     assert not twice, "\n".join(twice)
+
+
+def is_described(name: str, text: str | None) -> bool:
+    """Whether a text says which shape an array has: "`q` (n, 3)", or "q : ndarray" in a list of parameters."""
+    shape, listed = rf"\b{name}`?\s\([^)]*[,)]", rf"^ *(\w+, )*{name}(, \w+)* : ndarray"
+    return bool(re.search(f"{shape}|{listed}", text or "", re.MULTILINE))
+
+
+def test_kernels_say_the_shape_of_every_array_that_they_are_given() -> None:
+    kernels = PACKAGE / "kernels"
+    for file in (file for file in kernels.rglob("*.py") if file.parent.name != "compile"):
+        above = [ast.get_docstring(parsed(each)) for each in (file, kernels / "__init__.py")]
+        for function in (node for node in ast.walk(parsed(file)) if isinstance(node, ast.FunctionDef)):
+            arrays = [each.arg for each in function.args.args if ast.unparse(each.annotation or each) == "Array"]
+            texts = [ast.get_docstring(function), *above]
+            missing = [name for name in arrays if not any(is_described(name, text) for text in texts)]
+            assert not missing, f"{module(file)}.{function.name}: {missing}"

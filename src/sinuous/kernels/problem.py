@@ -51,7 +51,7 @@ def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Ar
 
 
 def answer_of(answers: Array, i: int, n: int) -> tuple[Array, Array]:
-    """Configuration (n, 3) and record (11,) of answer `i` in a batch (m, 11 + 3 n)."""
+    """Configuration (n, 3) and record (11,) of answer `i` of `answers` (m, 11 + 3 n)."""
     record, rest = cut(answers[i], t.RECORD_WIDTH)
     best, _ = cut(rest, n, 3)
     return best, record

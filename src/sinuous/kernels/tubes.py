@@ -7,6 +7,8 @@ around the rim: nothing says where the tube ends.
 Other tubes are found by the rims of their mouths, so that a route through them need not be searched for inside. Beside
 each edge, on the far side of each of its faces, it is checked whether there are walls all around. If so, the tube there
 is followed both ways.
+
+`points` (K, 3) are those of an axis, `edges` (e, 10) those of meshes, see `roadmap.find`.
 """
 
 import math

@@ -194,7 +194,7 @@ def tables_of(robot: "Robot", q: Floats, loads: Sequence[Load], displacements: F
 
     Tendons and chambers have these `displacements` (m,), by default those that belong to `q`.
     """
-    from sinuous.kernels.statics.drive import lay_out  # noqa: PLC0415
+    from sinuous.kernels.statics.drive import fill_body_tables  # noqa: PLC0415
 
     body = body_of(robot)
     if displacements is None and len(body.lines.actuators):
@@ -202,7 +202,7 @@ def tables_of(robot: "Robot", q: Floats, loads: Sequence[Load], displacements: F
     of_lines = lengths_of_lines(body, displacements)
     arcs, states = np.empty((len(body.owners), t.ARC_WIDTH)), np.empty((len(body.owners), t.STATE_WIDTH))
     lines = body.line_table.copy()
-    lay_out(body.sections, of_lines, np.array(q, np.float64, order="C"), arcs, lines, states)
+    fill_body_tables(body.sections, of_lines, np.array(q, np.float64, order="C"), arcs, lines, states)
     pulls = body.carried if len(loads) == 0 else _load_table(robot, body.ends, loads)
     return Tables(arcs, pulls, lines, body.slopes, of_lines, states, np.zeros(len(lines)))
 

@@ -61,17 +61,17 @@ class Rest:
     @cached_property
     def slopes(self) -> Floats:
         """How the states change with the drive (3 n, N, 4): the derivative of the equilibrium."""
-        from sinuous.kernels.statics.drive import differentiate  # noqa: PLC0415
+        from sinuous.kernels.statics.drive import differentiate_equilibrium  # noqa: PLC0415
 
         robot, tables, found = self.robot, self.tables, self.found
         columns, pulls = np.empty((self.q.size, *found[0].shape)), np.empty((self.q.size, len(tables.lines)))
         drive = body_of(robot).sections, lines_that_follow(robot, self.q), np.array(self.q, order="C")
-        differentiate(*tables.body(robot.base), *found, *drive, tables.buffer(), columns, pulls)
+        differentiate_equilibrium(*tables.body(robot.base), *found, *drive, tables.buffer(), columns, pulls)
         return columns
 
     def answers(self, beside: Sequence[Tables], steps: Floats) -> Floats:
         """How the states change with p parameters (p, N, 4): tables with so much (p,) more of each."""
-        from sinuous.kernels.statics.answers import answer  # noqa: PLC0415
+        from sinuous.kernels.statics.table_derivatives import differentiate_by_tables  # noqa: PLC0415
 
         own, found, over = self.tables, self.found, 1.0 / steps
         stiffness = own.arcs[:, [t.BEND_STIFFNESS, t.BEND_STIFFNESS, t.TORSION_STIFFNESS, t.STRETCH_STIFFNESS]]
@@ -79,7 +79,7 @@ class Rest:
         arcs, loads = np.array([each.arcs for each in beside]), np.array([each.loads for each in beside])
         others = arcs, loads, np.array([each.lines for each in beside])
         columns, pulls = np.empty((len(over), *found[0].shape)), np.empty((len(over), len(own.lines)))
-        answer(*own.body(self.robot.base), *found, *others, given, over, own.buffer(), columns, pulls)
+        differentiate_by_tables(*own.body(self.robot.base), *found, *others, given, over, own.buffer(), columns, pulls)
         return columns
 
     @property

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.fields.distances import beside
+from sinuous.kernels.fields.distances import bound_patch
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE
 from sinuous.scene import parts
 from sinuous.scene.snapshot import Snapshot
@@ -71,13 +71,13 @@ def test_what_is_beside_a_free_patch_is_no_nearer_than_its_bound(name: str, move
         sizes = RNG.choice([0.01, 0.1, 0.5]) * max(d, 0.01) * np.array([[1.0], [1.0], [0.1]])
         chord, onward, twist = RNG.normal(size=(3, 3)) * sizes * RNG.choice([0.0, 1.0], (3, 1), p=[0.2, 0.8])
         aside = RNG.choice([0.0, 0.05]) * abs(d)
-        found = beside(scene, 0, patch_of(center, chord, onward, twist), aside, math.inf)[0]
+        found = bound_patch(scene, 0, patch_of(center, chord, onward, twist), aside, math.inf)[0]
         if d > 0.0 and found > -math.inf:
             swept = points_of(center, chord, onward, twist)
             assert found <= snapshot.distance(swept).min() - aside + 1e-12
             bounds.append(found)
         across = 0.01 * d * np.cross(g, random_unit(RNG))
-        low, slope = beside(scene, 0, patch_of(center, across, still, still), 0.0, math.inf)
+        low, slope = bound_patch(scene, 0, patch_of(center, across, still, still), 0.0, math.inf)
         short.append(d <= 1e-3 or low > 0.998 * d)
         assert d <= 1e-3 or low == -math.inf or abs(np.linalg.norm(slope) - 1.0) < 1e-9
     assert len(bounds) > 35

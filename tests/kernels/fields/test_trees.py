@@ -123,16 +123,16 @@ def test_no_point_of_a_patch_is_nearer_than_its_bound(kind: int, count: int) -> 
         center = 1.5 * rng.normal(size=3)
         d = float(each(kind, items, center).min())
         own = rng.normal(size=(3, 3)) * rng.choice([0.0, 0.01, 0.3], (3, 1))
-        low, _ = trees.beside(store, tree, patch_of(center, *own), math.inf)
+        low, _ = trees.bound_patch(store, tree, patch_of(center, *own), math.inf)
         swept = points_of(center, *own)
         assert low <= gap(kind, items, swept) + 1e-12
-        assert trees.beside(store, tree, patch_of(center, *own), low - 0.1)[0] == low - 0.1
+        assert trees.bound_patch(store, tree, patch_of(center, *own), low - 0.1)[0] == low - 0.1
         if d > 0.1:
             still = np.zeros((3, 3))
-            low, g = trees.beside(store, tree, patch_of(center, *still), math.inf)
+            low, g = trees.bound_patch(store, tree, patch_of(center, *still), math.inf)
             assert low == pytest.approx(d, abs=1e-12)
             across = 0.3 * d * np.cross(g, random_unit(rng))
-            low, _ = trees.beside(store, tree, patch_of(center, across, *still[1:]), math.inf)
+            low, _ = trees.bound_patch(store, tree, patch_of(center, across, *still[1:]), math.inf)
             assert low == pytest.approx(d, rel=1e-9) if count == 1 else low > d - np.linalg.norm(across)
 
 

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 import sinuous as sn
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, widths_across
-from sinuous.kernels.fitting.settle import MOST_STEPS, REACH_STEP
+from sinuous.kernels.fitting.short_steps import MOST_STEPS, REACH_STEP
 from tests.helpers import Floats, kernel_groups
 
 POINTS = 300

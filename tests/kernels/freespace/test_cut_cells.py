@@ -44,7 +44,7 @@ def test_sides_are_told_apart_and_nothing_leads_across(seed: int) -> None:
         assert (least[sides != side] < 0.0).all()
         assert (least[sides == side] >= WHERE.clearance - 1e-12).all()
     if len(free):
-        there = cut_cells.beside(kernel_scene(scene), found, int(sides[0]), tuple(-free[0]), 0.7)
+        there = cut_cells.place_beside(kernel_scene(scene), found, int(sides[0]), tuple(-free[0]), 0.7)
         assert float(scene.distance(np.array(there))) == pytest.approx(0.7, abs=1e-9)
 
 

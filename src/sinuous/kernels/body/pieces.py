@@ -1,4 +1,7 @@
-"""Pieces of segments, and the obstacles that may be near them: what contacts and the proof have in common."""
+"""Pieces of segments, and the obstacles that may be near them: what contacts and the proof have in common.
+
+`among` (m,) int64 holds numbers of obstacles.
+"""
 
 import math
 from collections import namedtuple

@@ -10,6 +10,8 @@ Close to a convex primitive that would take pieces as short as the clearance. It
 chord it is no less than its tangent at the middle says at the worse end, and the piece is no farther from its chord
 than its sagitta. Both are of second order in h where the tangent is across the gradient, as it is at the closest place.
 The same is true of each triangle of a mesh, and of each ball of a cloud.
+
+`among` (m,) int64 holds numbers of obstacles.
 """
 
 import math
@@ -31,7 +33,7 @@ from sinuous.kernels.body.pieces import (
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import shared
-from sinuous.kernels.fields.distances import Scene, beside, tangents_pay
+from sinuous.kernels.fields.distances import Scene, bound_patch, tangents_pay
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
@@ -93,7 +95,7 @@ def _by_tangents(
             d = evaluate_here(scene, i, middle, least + half + roundoff, LOWER_BOUND)[0] - roundoff
         low = d - half
         if low < least and d > 0.0 and tangents_pay(scene, i, d, half, d - sagitta - wanted):
-            low = max(low, beside(scene, i, patch, sagitta, least + roundoff)[0] - roundoff)
+            low = max(low, bound_patch(scene, i, patch, sagitta, least + roundoff)[0] - roundoff)
         least = min(least, low)
     return least
 

@@ -2,6 +2,9 @@
 
 Such a row `c . dq = value` sees two places, with `c` nonzero from the segment of one to that of the other. The sweeps
 know rows of one place alone; `step.coupling` adds these afterwards.
+
+`columns` (n, 18) are those of `chain.kinematics`; `pairs` (m, 1 + 3 n) and `rows` (m, 3 n or more) have a row for each
+self-contact.
 """
 
 import math

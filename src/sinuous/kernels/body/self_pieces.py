@@ -7,6 +7,8 @@ them, so within an interval of duration h a place stays within `h^2 A / 8` of th
 begins at that junction, see `chain.rates`. So all differences of places of two pieces, at all times of the interval,
 are within both sagittas and both of these bounds of the hull of eight: of the ends of the pieces at the ends of the
 interval. A direction in which all eight are far enough from 0 proves the pieces apart.
+
+`rates` (n, 6) are those of `chain.rates`.
 """
 
 import math

@@ -1,4 +1,8 @@
-"""Where obstacles that move are, and how they go on, as a proof needs it: from poses at times to drifts."""
+"""Where obstacles that move are, and how they go on, as a proof needs it: from poses at times to drifts.
+
+`poses` (P, 17) has a row for each pose: its course, its time, and the pose; `rows` (T - 1, c, 31) and `row` (c, 31) are
+drifts, see `drift`.
+"""
 
 from sinuous.kernels.certificate.drift import BEGIN, TURN, TURNED, VELOCITY
 from sinuous.kernels.compile import entry

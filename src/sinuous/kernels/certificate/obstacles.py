@@ -6,6 +6,8 @@ primitive, its distance is a convex function: no less than its tangent at the mi
 least. So is that to each triangle of a mesh and each ball of a cloud. Where the body must stay inside a primitive, the
 distance is concave, and so it is least at a corner. What cannot be decided is halved: the piece of the segment, or,
 where motion is what leaves it open, the interval of time.
+
+`seen` (6,) is what is known of clearances from obstacles, see `sweep`.
 """
 
 import math
@@ -19,7 +21,7 @@ from sinuous.kernels.certificate.sweep import LEAST_SEEN, PROVED_BOUND, Motion, 
 from sinuous.kernels.chain.kinematics import body_point, place_on
 from sinuous.kernels.chain.rates import TAIL, acceleration_bound
 from sinuous.kernels.clock import spend
-from sinuous.kernels.fields.distances import Scene, beside, evaluate, is_large, slope, tangents_pay, work_of
+from sinuous.kernels.fields.distances import Scene, bound_patch, evaluate, is_large, slope, tangents_pay, work_of
 from sinuous.kernels.fields.primitives import Patch
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
@@ -162,7 +164,7 @@ def _by_corners(scene: Scene, i: int, corners: PieceCorners, piece: Piece, reach
         along, onward = sub(add(c1, c3), add(c0, c2)), sub(add(c2, c3), add(c0, c1))
         twist = sub(add(c0, c3), add(c1, c2))
         patch = Patch(center, scale(0.25, along), scale(0.25, onward), scale(0.25, twist))
-        low, g = beside(scene, i, patch, sagitta, reach)
+        low, g = bound_patch(scene, i, patch, sagitta, reach)
         if low == -math.inf:
             return low, piece.half, piece.reach - piece.half - piece.radius
         deviation = abs(dot(g, patch.onward)) + abs(dot(g, patch.twist))

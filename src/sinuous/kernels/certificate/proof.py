@@ -3,6 +3,9 @@
 The motion is linear in q. All limits are convex in q: what holds at both ends holds all the way. Time is halved until
 each interval is decided: for obstacles see `obstacles`, for those that move `drift`, for the body itself see
 `self_proof`.
+
+`seen` (2, 6) is what is known of clearances from obstacles and from the body itself, or one row of that (6,), see
+`sweep`.
 """
 
 import math

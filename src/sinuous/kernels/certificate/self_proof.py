@@ -2,6 +2,9 @@
 
 Whether two places may concern each other is asked at both ends of the interval: turns are convex in time. Most pairs of
 segments are far from each other, or do not concern each other; `body.self_pieces` examines those that are left.
+
+`qa` (n, 3) and `qb` (n, 3) are the first and the last configuration, `seen` (6,) what is known of clearances of the
+body from itself.
 """
 
 import math

@@ -2,6 +2,8 @@
 
 The tip's acceleration is bounded as `sweep` says. So between two of its places, a duration of h apart, it is within
 `h^2 / 8` of that bound of the chord of its way.
+
+`q0` (n, 3) and `q1` (n, 3) are the first and the last configuration.
 """
 
 import math
@@ -41,7 +43,7 @@ def _distance(p: Vec, a: Vec, along: Vec) -> float:
 
 @entry
 def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, frames: Array) -> float:
-    """Upper bound of how far the tip leaves a line from `line[0]` to `line[1]` (2, 3) in a motion.
+    """Upper bound (length unit) of how far the tip leaves a `line` (2, 3), of two places in the world, in a motion.
 
     `ends` (2, n, 3): the first and the last configuration, where the tip is on the line. What is not above `enough`
     need not be bounded more tightly. `q` (n, 3) and `frames` (n + 1, 12) are scratch.
@@ -73,7 +75,8 @@ def turn_off(robot: Array, ends: Array, line: Array, turn: Array, q: Array, fram
     """Largest angle of the tip from its line at places of a motion; no bound of what is between these.
 
     `turn` (5, 3): the axis, the angle and the number of columns of the orientation at the beginning, and these: all
-    three, or the direction alone. A line without length is one by angles. Other arguments are those of `leave_line`.
+    three, or the direction alone. A `line` (2, 3) without length is one by angles; `ends` (2, n, 3). The rest as for
+    `leave_line`.
     """
     own = read_robot(robot)
     offset, shift = frame(own.tool, 0)

@@ -26,7 +26,10 @@ def points_of(q: Array, frames: Array, samples: int, out: Array) -> None:
 
 @entry
 def jacobians_of(limits: Array, q: Array, frames: Array, tool: Array, segment: int, columns: Array, out: Array) -> None:
-    """Fill `out` (m, 6, 3 n): angular velocity, and velocity of the end of `segment` (with the tool at the tip)."""
+    """Fill `out` (m, 6, 3 n): angular velocity, and velocity of the end of `segment` (with the tool at the tip).
+
+    Of configurations `q` (m, n, 3) with `frames` (m, n + 1, 12); `columns` (n, 18) is scratch.
+    """
     n = q.shape[1]
     for i in range(q.shape[0]):
         origin = frame(frames[i], 0)[1]

@@ -48,6 +48,7 @@ def frame(frames: Array, k: int) -> tuple[Mat, Vec]:
 
 
 def put_frame(frames: Array, k: int, rotation: Mat, position: Vec) -> None:
+    """Write rotation and position into row `k`."""
     put_mat(frames, k, 0, rotation)
     put_vec(frames, k, 9, position)
 
@@ -175,14 +176,14 @@ def _pass_rigid_with_columns(limits: Array, q: Array, frames: Array, columns: Ar
 
 
 def interpolate(begin: Array, end: Array, fraction: float, out: Array) -> None:
-    """Fill `out` with the table that is this fraction of the way from one to another."""
+    """Fill `out` (r, c) with the table that is this fraction of the way from `begin` (r, c) to `end` (r, c)."""
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
             out[i, j] = (1.0 - fraction) * begin[i, j] + fraction * end[i, j]
 
 
 def shorten(begin: Array, end: Array, fraction: float) -> None:
-    """Leave of the way from one table (n, 3) to another, which becomes its new end, this fraction."""
+    """Leave this fraction of the way from `begin` (n, 3) to `end` (n, 3), which becomes its new end."""
     for k in range(end.shape[0]):
         for i in range(3):
             end[k, i] = begin[k, i] + fraction * (end[k, i] - begin[k, i])

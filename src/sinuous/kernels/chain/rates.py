@@ -8,6 +8,8 @@ of duration h a place stays within `h^2 A / 8` of the chord of its path.
 
 Between joints counts the straight way from one to the next, to a place of a link that from the last joint before it:
 links are rigid, so no detour through their other capsules moves anything.
+
+`q0` (n, 3) and `q1` (n, 3) are the first and the last configuration, `rates` (n, 6) has the columns below.
 """
 
 import math

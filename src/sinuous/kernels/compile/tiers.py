@@ -142,9 +142,9 @@ PIECES = (
         (
             "kernels.statics.equilibrium.equilibrate",
             "kernels.statics.departure.measure_departure",
-            "kernels.statics.drive.lay_out",
-            "kernels.statics.drive.differentiate",
-            "kernels.statics.answers.answer",
+            "kernels.statics.drive.fill_body_tables",
+            "kernels.statics.drive.differentiate_equilibrium",
+            "kernels.statics.table_derivatives.differentiate_by_tables",
         ),
     ),
     Piece("control loops", 15, ("kernels.velocity.query.control_step",), most=0),

@@ -4,6 +4,8 @@ A *row* `a . dq = b . dtheta` says what a small change of the answer has to do w
 is met, or a limit or contact that is active and stays so. Its *wrench* `(torque, force)`, about the base in world axes,
 says what a small motion of the world beyond its place does to it; limits, and contacts of the body with itself, have
 none.
+
+`asked` (14,) int64 says which parameters there are, `answer` (w,) is flat, see `answer_size`.
 """
 
 from collections import namedtuple

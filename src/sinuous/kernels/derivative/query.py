@@ -7,6 +7,9 @@ The system has as many unknowns as there are rows, so all of it is linear in the
 
 An active limit or contact only pushes. What it does is linear in the parameters just where it is not called upon: where
 all rows of the targets alone would leave it as it is. Else the answer has a kink there.
+
+`asked` (14,) int64 and `answer` (w,) are those of `layout`; `sides` (r, p) has the right sides of r rows for p
+parameters, `moved` (3 n, p) what these move.
 """
 
 import math
@@ -81,7 +84,7 @@ def _is_idle(sides: Array, moved: Array, count: int, c: int) -> bool:
     return not used
 
 
-def settle(limits: Array, work: Workspace, count: int, targets: int, sides: Array, moved: Array) -> float:
+def add_least_motions(limits: Array, work: Workspace, count: int, targets: int, sides: Array, moved: Array) -> float:
     """Add to the motions `moved` (3 n, p) the least ones with which the rows have their right sides (r, p).
 
     The first `targets` of the `count` rows are those of targets. Returns the most that another row is asked for.
@@ -139,7 +142,7 @@ def _correct(problem: Problem, work: Workspace, count: int, targets: int) -> Non
         work.values[a, 0] = work.about[a, d.ROW_FACTOR] * work.about[a, d.ROW_SLACK] if a < targets else 0.0
     for i in range(work.way.shape[0]):
         work.way[i, 0] = 0.0
-    settle(problem.limits, work, count, targets, work.values, work.way)
+    add_least_motions(problem.limits, work, count, targets, work.values, work.way)
     for i in range(work.way.shape[0]):
         work.q[i // 3, i % 3] += work.way[i, 0]
 
@@ -158,7 +161,7 @@ def _follow(problem: Problem, asked: Array, lines: Array, work: Workspace, count
     fill_sides(problem.scene, problem, asked, lines, work, count)
     if factorise(problem.limits, work, count, targets) > 0:
         status |= d.SINGULAR
-    called = settle(problem.limits, work, count, targets, work.sides, work.moved)
+    called = add_least_motions(problem.limits, work, count, targets, work.sides, work.moved)
     if called > STILL * (1.0 + _largest(work.sides[:count])):
         status |= d.KINK
     return status

@@ -2,6 +2,8 @@
 
 A row keeps what it has: for a target the residual, for an active limit or contact its slack. So its right side is less
 the derivative of that by the parameter. World axes; a twist is `(omega, v)`.
+
+`asked` (14,) int64 is that of `layout`.
 """
 
 from sinuous.kernels import tables as t

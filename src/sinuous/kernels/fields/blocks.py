@@ -3,6 +3,8 @@
 The points of a block are so near to each other that nearly the same nodes of the tree have to be opened for each. So
 one walk serves all, and what it computes of a node or an item is computed for all points in a row: the processor
 takes several at a time. No loop over the points branches.
+
+`work` (6 LANES,) has the columns below for each point, `discs` (2 << levels, 8) the discs about the nodes.
 """
 
 import math
@@ -57,7 +59,7 @@ def _discs(discs: Array, node: int, work: Array) -> int:
 
 
 def _ball(store: Array, at: int, item: int, work: Array) -> None:
-    """See `_take`; the ball is at `at`."""
+    """See `_offer_item`; the ball is at `at`."""
     x0, y0, z0, radius = store[at], store[at + 1], store[at + 2], store[at + 3]
     for i in range(LANES):
         x, y, z = work[POINT_X + i] - x0, work[POINT_Y + i] - y0, work[POINT_Z + i] - z0
@@ -111,7 +113,7 @@ def _open(store: Array, tree: Tree, discs: Array, node: int, work: Array) -> int
     return _discs_here(discs, node, work)
 
 
-def _take(store: Array, tree: Tree, item: int, work: Array) -> None:
+def _offer_item(store: Array, tree: Tree, item: int, work: Array) -> None:
     """Let an item be the closest of those points that it is closer to."""
     if tree.kind == BALLS:
         _ball_here(store, tree.items + 4 * item, item, work)
@@ -136,14 +138,14 @@ def closest(store: Array, tree: Tree, discs: Array, seed: int, work: Array) -> N
     """
     for i in range(LANES):
         work[BEST + i], work[SQUARED_REACH + i], work[FOUND + i] = math.inf, math.inf, seed
-    _take(store, tree, seed, work)
+    _offer_item(store, tree, seed, work)
     node, due = 1, 1
     first_leaf = 1 << tree.levels
     while True:
         if node >= first_leaf:
             leaf = node - first_leaf
             for item in range((leaf * tree.count) >> tree.levels, ((leaf + 1) * tree.count) >> tree.levels):
-                _take(store, tree, item, work)
+                _offer_item(store, tree, item, work)
         else:
             left, right = _open(store, tree, discs, 2 * node, work), _open(store, tree, discs, 2 * node + 1, work)
             if left + right > 0:

@@ -4,6 +4,8 @@ A large triangle that lies oblique to the axes has a box as large as the mesh, a
 to nothing. Of a cell with the radius r about its middle, only triangles that are no more than 2 r farther from the
 middle than the closest one can be the closest to a point in it. They are in the order of that distance, so that a query
 ends as soon as all that follow are too far.
+
+`work` (r, c) has two rows for each level of the search: numbers of c triangles at most, and their distances.
 """
 
 import math
@@ -93,7 +95,7 @@ def closest(
     return (found, best) if other < 0 else (other, d)
 
 
-def beside(store: Array, tree: Tree, grid: SampleGrid, patch: Patch) -> tuple[float, Vec]:
+def bound_patch(store: Array, tree: Tree, grid: SampleGrid, patch: Patch) -> tuple[float, Vec]:
     """Lower bound of the distance of a patch from the surface; -inf: none known.
 
     Also the gradient, at the center, of the distance to the triangle that decides.

@@ -3,6 +3,8 @@
 The distance to one triangle is convex, so within a triangle it is largest at a corner. Of some triangles that are near
 the corners, the one whose largest distance is least bounds the distance to the surface; where that is much more than
 what the corners have, the triangle is halved across its longest side.
+
+`stack` (s, 10) holds parts of triangles: their corners (9) and how often they were halved.
 """
 
 import math
@@ -45,7 +47,7 @@ def _corner(stack: Array, at: int, k: int) -> Vec:
 
 
 def get_row(points: Array, v: int) -> Vec:
-    """Point `v`."""
+    """Row `v` of `points` (v, 3)."""
     return points[v, 0], points[v, 1], points[v, 2]
 
 
@@ -56,7 +58,7 @@ def _square(a: Vec, b: Vec) -> float:
 
 @entry
 def nearest(table: Array, store: Array, points: Array, items: Array, squares: Array) -> None:
-    """Fill `items` and `squares` (v,): the closest triangle of each of `points` (v, 3), and the squared distance."""
+    """Fill `items` (v,), the closest triangle of each of `points` (v, 3), and squared distances `squares` (v,)."""
     tree, near = tree_of(table, 0), 0
     for v in range(points.shape[0]):
         near, squares[v] = _nearest(store, tree, get_row(points, v), near)

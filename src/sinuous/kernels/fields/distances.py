@@ -107,20 +107,20 @@ def tangents_pay(scene: Scene, i: int, d: float, size: float, slack: float) -> b
     return bool(size > MANY_HALVES * slack and size * size < 2.0 * d * slack)
 
 
-def beside(scene: Scene, i: int, patch: Patch, deviation: float, reach: float) -> tuple[float, Vec]:
+def bound_patch(scene: Scene, i: int, patch: Patch, deviation: float, reach: float) -> tuple[float, Vec]:
     """Lower bound of the distance to obstacle `i` of all within `deviation` of a patch; -inf where none is known.
 
     One point of all that has to be known to be free. Also the gradient, at the center, of the distance to what decides.
     What is not less than `reach` need not be exact.
     """
     if scene.table[i, t.KIND] < t.TREE:
-        return primitives.beside(scene.table, i, patch, deviation)
+        return primitives.bound_patch(scene.table, i, patch, deviation)
     if scene.table[i, t.PLACED] == 0.0:
-        return solids.beside(scene.table, scene.store, i, patch, deviation, reach)
+        return solids.bound_patch(scene.table, scene.store, i, patch, deviation, reach)
     turn = get_mat(scene.table, i, t.PLACE + t.POSE_ROTATION)
     along, onward, twist = vec_mat(patch.along, turn), vec_mat(patch.onward, turn), vec_mat(patch.twist, turn)
     own = Patch(_own(scene, i, patch.center), along, onward, twist)
-    low, g = solids.beside(scene.table, scene.store, i, own, deviation, reach)
+    low, g = solids.bound_patch(scene.table, scene.store, i, own, deviation, reach)
     return low, mat_vec(turn, g)
 
 
@@ -274,8 +274,9 @@ def most_roundoff(scene: Scene) -> float:
 def many(
     table: Array, store: Array, points: Array, values: Array, above: Array, gradients: Array, which: Array
 ) -> None:
-    """Fill signed distance, an upper bound of it, gradient and obstacle for every row of `points` (m, 3).
+    """Fill signed distances `values` (m,), upper bounds `above` (m,), `gradients` (m, 3) and obstacles `which` (m,).
 
+    They are those of `points` (m, 3) in the world.
     Without obstacles inf, inf, 0 and -1.
     """
     scene = Scene(table, store)

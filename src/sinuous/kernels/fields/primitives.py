@@ -120,7 +120,7 @@ def lean(g: Vec, patch: Patch) -> float:
     return min(c - a - b, a - b - c, b - a - c, a + b + c)
 
 
-def beside(table: Array, i: int, patch: Patch, deviation: float) -> tuple[float, Vec]:
+def bound_patch(table: Array, i: int, patch: Patch, deviation: float) -> tuple[float, Vec]:
     """Lower bound of the distance to primitive `i` of all that is within `deviation` of a patch; -inf: none known.
 
     The distance to a convex primitive is a convex function: on the patch it is no less than its tangent at the center

@@ -4,6 +4,8 @@ Of a cell with the radius r about its middle, only obstacles that are no more th
 closest one can be the closest to a point in it. So eight cells choose among those that the one about them lists, and a
 cell with few is not divided. Who asks needs no more than some steps down the octree, and a few distances. Lists know
 how far all others are at least; a question that they do not answer goes to the tree of boxes, so answers are the same.
+
+`memory` (w,) is that of all lists, with two numbers an entry: an obstacle, and how far it is.
 """
 
 import math

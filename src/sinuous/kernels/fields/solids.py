@@ -178,7 +178,7 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, k
 
 
 @shared
-def beside(table: Array, store: Array, i: int, patch: Patch, deviation: float, reach: float) -> tuple[float, Vec]:
+def bound_patch(table: Array, store: Array, i: int, patch: Patch, deviation: float, reach: float) -> tuple[float, Vec]:
     """Lower bound of the distance to obstacle `i` of all within `deviation` of a patch; -inf where none is known.
 
     If one point of all that is free: then it all is, because the surface is farther away. Also the gradient, at the
@@ -188,9 +188,9 @@ def beside(table: Array, store: Array, i: int, patch: Patch, deviation: float, r
     if table[i, tables.KIND] != tables.TREE or (table[i, tables.SIGN] < 0.0 and tree.kind != tables.TRIANGLES):
         return -math.inf, g
     if table[i, tables.FIRST_CELL] >= 0.0:
-        away, g = candidates.beside(store, tree, grid_of(table, i, tables.FIRST_CELL), patch)
+        away, g = candidates.bound_patch(store, tree, grid_of(table, i, tables.FIRST_CELL), patch)
     else:
-        away, g = trees.beside(store, tree, patch, reach + table[i, tables.ROUNDING_RADIUS] + deviation)
+        away, g = trees.bound_patch(store, tree, patch, reach + table[i, tables.ROUNDING_RADIUS] + deviation)
     low = away - table[i, tables.ROUNDING_RADIUS] - deviation
     return (low if low > 0.0 else -math.inf), g
 
@@ -234,7 +234,7 @@ def _point(grid: SampleGrid, i: int, j: int, k: int) -> Vec:
 def _sample_by_point(
     table: Array, store: Array, tree: Tree, grid: SampleGrid, first: int, last: int, out: Array
 ) -> None:
-    """The same, point by point.
+    """The same into `out` (i, j, k), point by point.
 
     What was closest to the neighbour is nearly the closest here, too: hardly anything has to be examined again.
     """

@@ -6,6 +6,9 @@ has the items from `(j * count) >> levels` on.
 
 Signed distances are compared as *lifted*: their squares where they are positive, themselves where not. That keeps their
 order and saves most of the roots.
+
+`order` (count,) int64 holds numbers of items, `centers` (count, 3), `lows` (count, 3) and `highs` (count, 3) are the
+middles and corners of their boxes.
 """
 
 import math
@@ -145,7 +148,7 @@ def item_beside(store: Array, tree: Tree, i: int, patch: Patch, size: float) -> 
     return d + (lean(g, patch) if size < FLAT * d else -size), g
 
 
-def beside(store: Array, tree: Tree, patch: Patch, best: float) -> tuple[float, Vec]:
+def bound_patch(store: Array, tree: Tree, patch: Patch, best: float) -> tuple[float, Vec]:
     """Lower bound of the distance of a patch to all items, if it is less than `best`, else that.
 
     Also the gradient, at the center, of the distance to the item that decides.

@@ -1,4 +1,8 @@
-"""Pairs of triangles of one surface that may cross or touch: all but those that their boxes or planes keep apart."""
+"""Pairs of triangles of one surface that may cross or touch: all but those that their boxes or planes keep apart.
+
+`faces` (f, 3) int64 holds numbers of corners, `corners` (f, 3, 3) where these are, `normals` (f, 3) unit vectors,
+`tiny` (f,) what rounding does (length unit), and `nodes` (2 << levels, 6) a tree of boxes.
+"""
 
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, Vec, dot, sub

@@ -13,7 +13,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, obstacle, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, length_of, point_at
-from sinuous.kernels.fitting.settle import settle
+from sinuous.kernels.fitting.short_steps import draw_to_targets
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
@@ -66,13 +66,13 @@ def _part(problem: Problem, q: Array, k: int, sliding: bool) -> float:
     return q[k, 2] if sliding else problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH]
 
 
-def _draw(problem: Problem, state: State, at: int, k: int, s: float, p: Vec, axis: Vec, pull: Vec) -> int:
+def _add_pull_row(problem: Problem, state: State, at: int, k: int, s: float, p: Vec, axis: Vec, pull: Vec) -> int:
     """Write row `at`, that draws the place `p`, fraction `s` of segment `k`, by the part of `pull` along `axis`."""
     force = scale(1.0 / problem.unit, axis)
     return put_body_row(state.rows, at, state.q, state.frames, (k, s, p), force, INNER, dot(force, pull))
 
 
-def _draw_segment(
+def _add_pull_rows(
     problem: Problem, state: State, curve: Curve, k: int, at: int, stretch: Stretch, sliding: bool
 ) -> int:
     """Write the rows that draw segment `k` to its part of the route; returns the next free row."""
@@ -86,13 +86,13 @@ def _draw_segment(
             foot, tangent = closest_on(curve, p, along, ROUTE_WINDOW * length)
             a, b = across(tangent)
             pull = sub(foot, p)
-            at = _draw(problem, state, at, k, s, p, a, pull)
-            at = _draw(problem, state, at, k, s, p, b, pull)
+            at = _add_pull_row(problem, state, at, k, s, p, a, pull)
+            at = _add_pull_row(problem, state, at, k, s, p, b, pull)
         else:
             pull = sub(point_at(curve, along), p)
-            at = _draw(problem, state, at, k, s, p, X, pull)
-            at = _draw(problem, state, at, k, s, p, Y, pull)
-            at = _draw(problem, state, at, k, s, p, Z, pull)
+            at = _add_pull_row(problem, state, at, k, s, p, X, pull)
+            at = _add_pull_row(problem, state, at, k, s, p, Y, pull)
+            at = _add_pull_row(problem, state, at, k, s, p, Z, pull)
     return at
 
 
@@ -109,14 +109,14 @@ def attract(problem: Problem, state: State, curve: Curve, grown: int, sliding: b
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
         own = _part(problem, q, k, sliding)
         if k < grown:
-            at = _draw_segment(problem, state, curve, k, at, (before, own, total), sliding)
+            at = _add_pull_rows(problem, state, curve, k, at, (before, own, total), sliding)
         before += own
         if sliding:
             at, _, _ = add_targets(problem, state, k, at)
     finish_rows(state, at)
 
 
-def _go(problem: Problem, states: State, at: int, work: Work) -> int:
+def _take_step(problem: Problem, states: State, at: int, work: Work) -> int:
     """Take one step from state `at`, which is linearised; returns the state that holds the result."""
     wish_nothing(work)
     step(problem, pick(states, at), work, FIT_DAMPING)
@@ -187,11 +187,11 @@ def clear(problem: Problem, states: State, at: int, work: Work, curve: Curve) ->
             copy(state.q, best.q)
         if rows == 0 or spend(work.clock, units):
             break
-        at = _go(problem, states, at, work)
+        at = _take_step(problem, states, at, work)
     return BEST_STATE
 
 
-def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
+def fit_chain(problem: Problem, states: State, work: Work, curve: Curve) -> int:
     """Fit the chain to the route, growing from the base, as far as the time allows; returns the state with the fit."""
     length = length_of(curve)
     n = problem.limits.shape[0]
@@ -210,12 +210,12 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
             if spend(work.clock, SEGMENT_WORK * n):
                 return at
             attract(problem, pick(states, at), curve, grown, False)
-            at = _go(problem, states, at, work)
+            at = _take_step(problem, states, at, work)
     for _ in range(LAST_STEPS):
         if spend(work.clock, SEGMENT_WORK * n):
             return at
         attract(problem, pick(states, at), curve, n, True)
-        at = _go(problem, states, at, work)
+        at = _take_step(problem, states, at, work)
     return clear(problem, states, at, work, curve)
 
 
@@ -252,8 +252,8 @@ def fit_route(
     begin(work.clock)
     allow(work.clock, seconds)
     if route.shape[0] > 0:
-        at = lay(problem, states, work, curve_through(route))
+        at = fit_chain(problem, states, work, curve_through(route))
     else:
         copy(q, pick(states, 0).q)
-        at = settle(problem, states, 0, work)
+        at = draw_to_targets(problem, states, 0, work)
     copy(pick(states, at).q, q)

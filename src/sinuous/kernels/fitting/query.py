@@ -1,4 +1,7 @@
-"""What a route for a robot and its most distal target has to keep: the query that `freespace` answers."""
+"""What a route for a robot and its most distal target has to keep: the query that `freespace` answers.
+
+`query` (23,) is flat, see `tables`.
+"""
 
 import math
 

@@ -1,4 +1,7 @@
-"""A route as an elastic band: points drawn tight, and away from obstacles (Quinlan & Khatib 1993)."""
+"""A route as an elastic band: points drawn tight, and away from obstacles (Quinlan & Khatib 1993).
+
+`points` (N, 3) are those of a line.
+"""
 
 import math
 
@@ -27,7 +30,7 @@ def span(points: Array, count: int) -> float:
 
 
 def respace(points: Array, count: int, out: Array, wanted: int) -> float:
-    """Put `wanted` points evenly on a line through `count` ones; returns the distance between them along the line."""
+    """Fill `out` (N, 3) with `wanted` points, evenly on the line through the first `count`; returns their distance."""
     spacing = span(points, count) / (wanted - 1)
     put_vec(out, 0, 0, get_vec(points, 0, 0))
     i, gone = 1, 0.0

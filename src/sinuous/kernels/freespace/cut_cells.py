@@ -81,7 +81,7 @@ def side_of(scene: Scene, cut: int, p: Vec) -> int:
     return 1 if beyond(scene, cut, 1, p) > beyond(scene, cut, 0, p) else 0
 
 
-def beside(scene: Scene, cut: int, side: int, p: Vec, far: float) -> Vec:
+def place_beside(scene: Scene, cut: int, side: int, p: Vec, far: float) -> Vec:
     """The point on a side of a wall that is nearest to `p`, and so far from the wall."""
     lacking = far - beyond(scene, cut, side, p)
     return p if lacking <= 0.0 else add_scaled(p, (2.0 * side - 1.0) * lacking, _normal(scene, cut))

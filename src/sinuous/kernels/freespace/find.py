@@ -68,7 +68,7 @@ def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
 
 
 def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Array) -> tuple[int, int]:
-    """Fill `routes`: how many, and how the last search ended."""
+    """Fill `routes` (r, K, 3) and `counts` (r,), as `find_routes`: how many, and how the last search ended."""
     grid = route_grid(query)
     clear(memory)
     count, ended = 0, FOUND

@@ -37,7 +37,7 @@ from sinuous.kernels.freespace.cells import (
     pop,
     push,
 )
-from sinuous.kernels.freespace.cut_cells import beside, beyond, linked, shared
+from sinuous.kernels.freespace.cut_cells import beyond, linked, place_beside, shared
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, cell_at, corners, cost_rate, middle, walled
 from sinuous.kernels.freespace.keys import child_of, key_of, numbers_of, octant_of, touch
 from sinuous.kernels.freespace.octree import LEAF, block_at, evaluate_cell, known_leaf, leaf_at
@@ -163,8 +163,8 @@ def _crossing(grid: SearchGrid, scene: Scene, here: Here, key: int, half: tuple[
     if half[0] == NONE:
         return p
     for _ in range(WALL_ITERATIONS):
-        p = _clamp(beside(scene, half[0], half[1], p, grid.radius), low, high)
-    return beside(scene, half[0], half[1], p, grid.clearance)
+        p = _clamp(place_beside(scene, half[0], half[1], p, grid.radius), low, high)
+    return place_beside(scene, half[0], half[1], p, grid.clearance)
 
 
 def _arrive(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, key: int) -> None:

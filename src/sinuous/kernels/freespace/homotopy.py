@@ -87,7 +87,10 @@ def _free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
 
 
 def _pull(scene: Scene, curve: Array, keep: float, spare: Array, clock: Array) -> None:
-    """Draw `curve` (N, 3) tight once: from point to point, as far as leashes to all that is left out stay clear."""
+    """Draw `curve` (N, 3) tight once: from point to point, as far as leashes to all that is left out stay clear.
+
+    `spare` (N, 3) is scratch.
+    """
     last = curve.shape[0] - 1
     corners = at = 0
     put_vec(spare, 0, 0, get_vec(curve, 0, 0))
@@ -155,7 +158,10 @@ def _carve(workspace: Array, count: int) -> Leashes:
 
 
 def _reach(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes, clock: Array) -> bool:
-    """Lead the leash on, both ends together where that goes; says whether it gets to the ends of both curves."""
+    """Lead the leash on, both ends together where that goes; says whether it gets to the ends of both curves.
+
+    These are `a` (N, 3) and `b` (N, 3).
+    """
     count, wide = leashes.state.shape
     half = wide // 2
     if not _free(scene, get_vec(a, 0, 0), get_vec(b, 0, 0), keep, clock):

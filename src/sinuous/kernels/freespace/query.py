@@ -1,4 +1,7 @@
-"""What is asked of a route search, and the grids that answer it."""
+"""What is asked of a route search, and the grids that answer it.
+
+`query` (23,) is flat, see `tables`.
+"""
 
 import math
 from collections import namedtuple

@@ -5,6 +5,8 @@ Its columns: pose of its end (12); bends and length of its last segment (3), and
 differ from those of the chain that it continues; the row of that chain; its length; what its overlaps cost; its score,
 the less the better; the point of the guide that its end sees; by how many chains it is continued; and how far its end
 is from the obstacles, in radii, where that is asked.
+
+`levels` (n + 1, w, CHAIN_WIDTH), `level` (w, CHAIN_WIDTH) and `chains` (m, CHAIN_WIDTH) are such tables.
 """
 
 import math

@@ -1,4 +1,7 @@
-"""Whether a new segment of a chain comes too near to those before it."""
+"""Whether a new segment of a chain comes too near to those before it.
+
+`levels` (n + 1, w, CHAIN_WIDTH) are the chains of `beam`.
+"""
 
 import math
 

@@ -16,7 +16,7 @@ from sinuous.kernels.problem import read_robot
 
 @entry
 def turn_round(robot: Array, turned: Array, chain: Array, q: Array) -> None:
-    """Turn a chain round: fill `q` (n, 3) for a robot with `chain` (n, 3) of the turned one; both are groups.
+    """Turn a chain round: fill `q` (n, 3) for a robot with `chain` (n, 3) of the robot `turned` (w,); both are groups.
 
     The chain has to end at the base of the robot, against its tangent.
     """

@@ -1,6 +1,8 @@
 """Vectors of three and matrices of three by three as tuples: they live in registers and compile to nothing.
 
 A matrix is a tuple of its rows.
+
+Tables are read and written by rows: `array` (r, c), `source` (r, c), `out` (r, c).
 """
 
 import math

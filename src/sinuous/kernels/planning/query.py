@@ -1,4 +1,7 @@
-"""What Python asks of a planner: a path from a start to one of several goals."""
+"""What Python asks of a planner: a path from a start to one of several goals.
+
+`start` (n, 3) is the first configuration, `pair` (2, n, 3) and `scratch` (w,) are memory.
+"""
 
 from sinuous.kernels.certificate.obstacles import keep_reachable, measure_balls
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion, carve_sweep

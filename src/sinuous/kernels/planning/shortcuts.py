@@ -1,6 +1,8 @@
 """Shortcuts: a path is pulled tight, every edge proved clear, with bounds of how clear.
 
 An edge has an answer (14,), see `between.query`: its verdict, until when it is proved, and what was seen.
+
+`p` (n, 3) and `q` (n, 3) are the ends of an edge.
 """
 
 import math

@@ -2,6 +2,8 @@
 
 A bend of a segment moves what lies beyond it by at most the bend times the length from there to the tip. So a change of
 a bend counts by that length, its lever; a change of a length by itself.
+
+`p` (n, 3) and `q` (n, 3) are configurations, `levers` (n,) squares of levers (length unit).
 """
 
 import math
@@ -23,7 +25,7 @@ from sinuous.kernels.certificate.self_proof import passed_over
 from sinuous.kernels.certificate.sweep import Motion
 from sinuous.kernels.chain.kinematics import interpolate
 from sinuous.kernels.maths.vectors import Array
-from sinuous.kernels.step.actuation import admissible_step, settle
+from sinuous.kernels.step.actuation import admissible_step, approach_held_values
 from sinuous.kernels.step.scattered import scattered, uniform
 
 MOTION_PARTS = 8
@@ -65,7 +67,7 @@ def random(index: int, seed: int, which: int) -> float:
 def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
     """Fill `out` (n, 3) with random configuration number `index`: within all limits when `start` (n, 3) is."""
     scattered(space.robot.limits, index, seed, 2.0 * math.pi, out)
-    settle(space.robot.limits, space.robot.actuation, out)
+    approach_held_values(space.robot.limits, space.robot.actuation, out)
     interpolate(start, out, admissible_step(space.robot.actuation, start, out), out)
 
 

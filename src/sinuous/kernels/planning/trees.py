@@ -4,6 +4,8 @@ One grows from the start, the other from the goals. A random configuration is dr
 node towards it, and the other towards what was reached, as far as it can. At first edges are only examined, for most
 of them are on no path (Sanchez & Latombe 2001); whoever proves the path cuts off what is not clear. Then every edge is
 proved clear as far as it goes.
+
+`levers` (n,) are squares of levers, see `space`; `begin` (n, 3) is a configuration.
 """
 
 import math

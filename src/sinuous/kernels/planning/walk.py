@@ -1,4 +1,8 @@
-"""The shortest way along the edges of a graph of configurations (A*, Hart, Nilsson & Raphael 1968)."""
+"""The shortest way along the edges of a graph of configurations (A*, Hart, Nilsson & Raphael 1968).
+
+`nodes` (m, 3 n) are configurations, weighted so that they are as far apart as `space` says; `goals` (g,) int64 numbers
+of nodes; `ends` (m,) costs.
+"""
 
 import math
 from collections import namedtuple
@@ -38,7 +42,7 @@ def _carve(workspace: Array, nodes: int, ends: Array) -> Search:
 
 
 def _apart(one: Array, other: Array) -> float:
-    """Distance of two configurations (3 n,), weighted already."""
+    """Distance of two configurations `one` (3 n,) and `other` (3 n,), weighted already."""
     total = 0.0
     for k in range(one.shape[0]):
         total += (one[k] - other[k]) * (one[k] - other[k])
@@ -124,7 +128,7 @@ def walk(
 
 
 def _trace(search: Search, last: int, way: Array) -> int:
-    """Fill `way` with what leads to a node, from the first on; return how many nodes that is."""
+    """Fill `way` (w,) with the nodes that lead to one, from the first on; return how many that is, or 0."""
     count, at = 0, last
     while at >= 0:
         count, at = count + 1, int(search.before[at])

@@ -1,4 +1,7 @@
-"""The door: a route from edge to edge, by A* over places of which few are examined (lazily, Bohlin & Kavraki 2000)."""
+"""The door: a route from edge to edge, by A* over places of which few are examined (lazily, Bohlin & Kavraki 2000).
+
+`triangles` (f, 12) are those of meshes: a corner, two sides from there, and the normal; `edges` (e, 10) theirs.
+"""
 
 import math
 from collections import namedtuple
@@ -178,7 +181,7 @@ def _draw(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route:
 
 
 def _find(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles: Array, route: Array) -> int:
-    """See `find_by_edges`."""
+    """Fill `route` (K, 3); see `find_by_edges`."""
     grid = route_grid(query)
     if not _straight(roadmap, grid, scene, triangles):
         count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)

@@ -2,6 +2,8 @@
 
 A shortest path among polyhedra turns at their edges alone (Lozano-Perez & Wesley 1979). A place lies so far off an edge
 that a ball passes, and is pushed to where there is more room: in a door, to its middle.
+
+`places` (P, 3) are those that were noted.
 """
 
 import math

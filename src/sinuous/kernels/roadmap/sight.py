@@ -1,4 +1,7 @@
-"""Whether a ball can be moved straight from one place to another."""
+"""Whether a ball can be moved straight from one place to another.
+
+`triangles` (f, 12) are those of meshes: a corner, two sides from there, and the normal.
+"""
 
 import math
 

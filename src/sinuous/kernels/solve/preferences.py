@@ -4,6 +4,8 @@ The cost is `initial |q - reference|^2 + bends |u|^2 + 100 |clearance missing up
 relative to the mean of their segment, clearance relative to the robot's length. Its Newton step is the mean motion of
 the sweeps; rows of the targets and contacts, met exactly, take out of it what feasibility forbids. Motion is measured
 by the Hessian of the cost meanwhile: in another metric what is taken out would end beside the minimum.
+
+`best` (n, 3) is the best configuration so far.
 """
 
 import math

@@ -1,4 +1,7 @@
-"""One solve: starts one after the other until the first that is solved and proved, or the best of all."""
+"""One solve: starts one after the other until the first that is solved and proved, or the best of all.
+
+`initial` (g, n, 3) are configurations that are given, `best` (n, 3) is the best so far.
+"""
 
 import math
 

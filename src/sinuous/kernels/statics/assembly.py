@@ -45,7 +45,7 @@ def assemble(
     stages: Array,
     along_arcs: Array,
 ) -> None:
-    """Fill frames (N + 1, 12) but the base, `stages` (N, 108) but the factors, and `along_arcs` (s, 5).
+    """Fill frames (N + 1, 12) but the base, `stages` but the factors, and `along_arcs` (s, 5).
 
     A row of `along_arcs` is the length of a line in one arc and its derivatives. `load_factor` of the weights acts.
     """
@@ -54,11 +54,11 @@ def assemble(
     for k in range(x.shape[0]):
         vx, vy, angle, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TORSION], x[k, t.LENGTH]
         even = even_functions(vx * vx + vy * vy)
-        _bend(x, arcs, k, stages)
-        _run_lines(x, lines, tensions, k, end_profile(even), stages, along_arcs)
+        _add_elastic_energy(x, arcs, k, stages)
+        _add_lines(x, lines, tensions, k, end_profile(even), stages, along_arcs)
         weight = scale(load_factor, get_vec(arcs, k, t.WEIGHT))
         arm = sub(position, origin)
-        _weigh(vx, vy, length, center_profile(even), rotation, arm, weight, k, stages)
+        _add_weight(vx, vy, length, center_profile(even), rotation, arm, weight, k, stages)
         turn, shift, by_x, by_y, stretch = pose_and_columns(vx, vy, length)
         _put_twist(stages, k, t.TWIST_COLUMNS, carry(rotation, arm, by_x[0], by_x[1]))
         _put_twist(stages, k, t.TWIST_COLUMNS + 6, carry(rotation, arm, by_y[0], by_y[1]))
@@ -85,7 +85,7 @@ def _put_twist(stages: Array, k: int, column: int, twist: tuple[Vec, Vec]) -> No
     put_vec(stages, k, column + 3, twist[1])
 
 
-def _bend(x: Array, arcs: Array, k: int, stages: Array) -> None:
+def _add_elastic_energy(x: Array, arcs: Array, k: int, stages: Array) -> None:
     """Set the derivatives to those of bending, torsion and stretch; what is rigid adds nothing."""
     for i in range(t.CENTER_COLUMNS - t.GRADIENT):
         stages[k, t.GRADIENT + i] = 0.0
@@ -116,8 +116,8 @@ def _add_mixed(stages: Array, k: int, i: int, j: int, value: float) -> None:
     stages[k, t.HESSIAN + 4 * j + i] += value
 
 
-def _run_lines(x: Array, lines: Array, tensions: Array, k: int, end: Profile, stages: Array, along_arcs: Array) -> None:
-    """Add the lines that run through arc `k`, with their tensions."""
+def _add_lines(x: Array, lines: Array, tensions: Array, k: int, end: Profile, stages: Array, along_arcs: Array) -> None:
+    """Add the lines that run through arc `k`, with their tensions; fill their rows of `along_arcs` (s, 5)."""
     vx, vy, angle, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.TORSION], x[k, t.LENGTH]
     for i in range(lines.shape[0]):
         first = int(lines[i, t.FIRST_ARC])
@@ -135,7 +135,7 @@ def _run_lines(x: Array, lines: Array, tensions: Array, k: int, end: Profile, st
             add_curved(stages, k, t.HESSIAN, tensions[i], curved)
 
 
-def _weigh(
+def _add_weight(
     vx: float, vy: float, length: float, own: Profile, rotation: Mat, arm: Vec, weight: Vec, k: int, stages: Array
 ) -> None:
     """Add what the weight of arc `k` does to its own state; `rotation` and `arm` are where it begins."""

@@ -27,7 +27,7 @@ from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, get_vec, norm
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.assembly import assemble
-from sinuous.kernels.statics.drive import fill
+from sinuous.kernels.statics.drive import fill_tables
 from sinuous.kernels.statics.newton import Body, Workspace, carve, evaluate_state, workspace_size
 from sinuous.kernels.statics.sweeps import factorise, solve, stiffness_of
 from sinuous.kernels.tables import POSE_POSITION
@@ -109,7 +109,7 @@ def departure_size(segments: int, arcs: int, lines: int) -> int:
 def carve_departure(
     buffer: Array, sections: Array, carried: Array, lines: Array, sagitta: Array, arcs: int
 ) -> tuple[Departure, Array]:
-    """Lay out scratch in a buffer; returns what is left of it, too."""
+    """Lay out scratch in a buffer; returns what is left of it, too. `carried` (k, 10): loads; `sagitta` (n, 3)."""
     n, count = sections.shape[0], lines.shape[0]
     q, rest = cut(buffer, n, 3)
     x, rest = cut(rest, arcs, t.STATE_WIDTH)
@@ -141,12 +141,12 @@ def measure_departure(
 ) -> None:
     """Fill `answer` (3,), infinite where nothing is bounded, and by how much `stretches` (t,) leave the way.
 
-    `base` (1, 12); `sections` (n, 23), loads (k, 10) and lines (t, 10) as in `layout`; the rest see `Way`; `sagitta`
-    (n, 3). `buffer` has `measure_size` numbers.
+    `carried` (k, 10) are loads; `q` (2, n, 3), `held` (2, t), `x` (2, N, 4) and `tensions` (2, t) as in `Way`;
+    `sagitta` (n, 3) in `Departure`, `slopes` as for `equilibrium.equilibrate`. `buffer` has `measure_size` numbers.
     """
     space, rest = carve(buffer, base, x.shape[1], lines.shape[0], slopes)
     own, _ = carve_departure(rest, sections, carried, lines, sagitta, x.shape[1])
-    depart(own, Way(q, held, x, tensions), space, CLOSE, answer)
+    bound_departure(own, Way(q, held, x, tensions), space, CLOSE, answer)
     for i in range(lines.shape[0]):
         stretches[i] = answer[OFF] * own.sizes[i]
 
@@ -156,33 +156,36 @@ def measure_size(segments: int, arcs: int, lines: int, slopes: int) -> int:
     return workspace_size(arcs, lines, slopes) + departure_size(segments, arcs, lines)
 
 
-def lay_between(own: Departure, way: Way, share: float, arcs: Array) -> None:
+def fill_tables_between(own: Departure, way: Way, share: float, arcs: Array) -> None:
     """Fill arcs (N, 22), lines, and the state and tensions that are linear between both shapes, at a share of it."""
     less = 1.0 - share
     interpolate(way.q[0], way.q[1], share, own.q)
     for i in range(own.lines.shape[0]):
         own.held[i, 3 * own.q.shape[0]] = less * way.held[0, i] + share * way.held[1, i]
         own.tensions[i] = less * way.tensions[0, i] + share * way.tensions[1, i]
-    fill(own.sections, own.held, own.q, arcs, own.lines, own.states)
+    fill_tables(own.sections, own.held, own.q, arcs, own.lines, own.states)
     interpolate(way.x[0], way.x[1], share, own.x)
 
 
 @shared
-def depart(own: Departure, way: Way, space: Workspace, accuracy: float, answer: Array) -> None:
-    """Fill `answer` (3,) and `own.sizes`; see `measure_departure`. `accuracy`: see `COARSE`."""
+def bound_departure(own: Departure, way: Way, space: Workspace, accuracy: float, answer: Array) -> None:
+    """Bound how far equilibria leave the way: fill `answer` (3,) and `own.sizes`; see `measure_departure`.
+
+    `accuracy`: see `COARSE`.
+    """
     N = own.x.shape[0]
     answer[DEVIATION] = answer[TURN] = answer[OFF] = math.inf
-    lay_between(own, way, 1.0, own.arcs[N : 2 * N])
-    lay_between(own, way, 0.0, own.arcs[:N])
+    fill_tables_between(own, way, 1.0, own.arcs[N : 2 * N])
+    fill_tables_between(own, way, 0.0, own.arcs[:N])
     _measure_ends(own, way)
     _measure_weights(own)
     seen = 0.0
     for i in range(1, PARTS):
         if 2 * i != PARTS:
-            lay_between(own, way, i / PARTS, own.arcs[2 * N :])
+            fill_tables_between(own, way, i / PARTS, own.arcs[2 * N :])
             evaluate_state(own.x, own.tensions, _body(own), 1.0, space)
             seen = max(seen, _residual(own, space))
-    lay_between(own, way, 0.5, own.arcs[2 * N :])
+    fill_tables_between(own, way, 0.5, own.arcs[2 * N :])
     evaluate_state(own.x, own.tensions, _body(own), 1.0, space)
     seen = max(seen, _residual(own, space))
     curved = (_bound_elastic(own) + _bound_loads(own)) / (8.0 * PARTS * PARTS)
@@ -202,7 +205,7 @@ def _body(own: Departure) -> Body:
 
 
 def _fill_departure(own: Departure, off: float, answer: Array) -> None:
-    """Fill what follows from the distance of states."""
+    """Fill `answer` (3,) from how far `off` states are at most."""
     bounds, deviation, last, rolled, turn = own.bounds, 0.0, own.x.shape[0] - 1, 0.0, 0.0
     for k in range(own.x.shape[0]):
         turn += 0.125 * (bounds[k, BEND_SIZE] * rolled * rolled + 2.0 * bounds[k, BEND_CHANGE] * rolled)
@@ -308,13 +311,13 @@ def _residual(own: Departure, space: Workspace) -> float:
 
 
 def _stiffness(row: Array, i: int) -> float:
-    """Stiffness of bend, torsion or stretch, the greatest on the way; 0 of what is rigid."""
+    """The greatest stiffness of bend, torsion or stretch on the way, of a `row` (23,) of bounds; 0 of what is rigid."""
     soft = row[BEND_COMPLIANCE + i]
     return float((1.0 + row[GROWTH]) / soft) if soft > 0.0 else 0.0
 
 
 def _dual_square(row: Array, bend: float, turn: float, pull: float) -> float:
-    """Square, in the dual norm, of what acts on bend, torsion and length."""
+    """Square, in the dual norm, of what acts on bend, torsion and length of the arc of a `row` (23,) of bounds."""
     soft, twisting, stretching = row[BEND_COMPLIANCE], row[TORSION_COMPLIANCE], row[STRETCH_COMPLIANCE]
     return float(soft * bend * bend + twisting * turn * turn + stretching * pull * pull)
 

@@ -11,24 +11,25 @@ from sinuous.kernels.compile import entry, shared
 from sinuous.kernels.maths.vectors import Array, add, cross, dot, get_vec, mat_vec, scale
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.assembly import about_z
-from sinuous.kernels.statics.newton import Body, Workspace, answer_lines, begin, evaluate_state, find_taut, hold
-from sinuous.kernels.statics.sweeps import impose, solve
+from sinuous.kernels.statics.newton import Body, Workspace, evaluate_state, fill_replies, find_taut, hold_taut, lay_out
+from sinuous.kernels.statics.sweeps import impose_rigid_changes, solve
 
 SMALL = 1e-3
 """Half of the bend of an arc, rad, below which series are used."""
 
 
 @entry
-def lay_out(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
+def fill_body_tables(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
     """Fill arcs (N, 22), the values of lines (t, 10) and the states (N, 4) without load of a drive `q` (n, 3).
 
-    sections (n, 23) and lines as in `layout`. A row of `of_lines` (t, 3 n + 1): the derivative by the drive of the
-    length that a line is held at, and what that is for a drive of zero; both without chords.
+    A row of `of_lines` (t, 3 n + 1): the derivative by the drive of the length that a line is held at, and what that is
+    for a drive of zero; both without chords.
     """
-    fill(sections, of_lines, q, arcs, lines, states)
+    fill_tables(sections, of_lines, q, arcs, lines, states)
 
 
-def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
+def fill_tables(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, states: Array) -> None:
+    """The same for kernels: `of_lines` (t, 3 n + 1), `states` (N, 4)."""
     k = 0
     for s in range(q.shape[0]):
         fraction = 1.0 / sections[s, t.ARC_COUNT]
@@ -52,22 +53,22 @@ def fill(sections: Array, of_lines: Array, q: Array, arcs: Array, lines: Array, 
             for s in range(q.shape[0]):
                 for j in range(3):
                     value += of_lines[i, 3 * s + j] * q[s, j]
-            lines[i, t.LINE_VALUE] = value + _chords(sections, lines, i, q)
+            lines[i, t.LINE_VALUE] = value + _chord_excess(sections, lines, i, q)
 
 
-def _chords(sections: Array, lines: Array, i: int, q: Array) -> float:
+def _chord_excess(sections: Array, lines: Array, i: int, q: Array) -> float:
     """By how much straight line i is longer than one along arcs that nothing loads: negative."""
     total, k = 0.0, 0
     if lines[i, t.STRAIGHT] > 0.0:
         for s in range(q.shape[0]):
             if lines[i, t.FIRST_ARC] <= k <= lines[i, t.LAST_ARC]:
                 long = q[s, 2] - lines[i, t.ARM] * q[s, 0] - lines[i, t.ARM + 1] * q[s, 1]
-                total += _shorter(sections, s, q)[0] * long
+                total += _chord_share(sections, s, q)[0] * long
             k += int(sections[s, t.ARC_COUNT])
     return total
 
 
-def _shorter(sections: Array, s: int, q: Array) -> tuple[float, float]:
+def _chord_share(sections: Array, s: int, q: Array) -> tuple[float, float]:
     """Share by which chords of section `s` are longer than its arcs, and its slope by a bend, divided by that bend."""
     over = 0.5 / sections[s, t.ARC_COUNT]
     half = over * math.hypot(q[s, 0], q[s, 1])
@@ -79,7 +80,7 @@ def _shorter(sections: Array, s: int, q: Array) -> tuple[float, float]:
 
 def _chord_slope(sections: Array, lines: Array, i: int, q: Array, s: int, c: int) -> float:
     """How the same changes with coordinate `c` of section `s`, through which the line runs."""
-    shorter, steep = _shorter(sections, s, q)
+    shorter, steep = _chord_share(sections, s, q)
     if c == 2:
         return shorter
     long = q[s, 2] - lines[i, t.ARM] * q[s, 0] - lines[i, t.ARM + 1] * q[s, 1]
@@ -87,7 +88,7 @@ def _chord_slope(sections: Array, lines: Array, i: int, q: Array, s: int, c: int
 
 
 @entry
-def differentiate(
+def differentiate_equilibrium(
     base: Array,
     arcs: Array,
     loads: Array,
@@ -104,10 +105,10 @@ def differentiate(
 ) -> None:
     """Fill `columns` (3 n, N, 4) and `pulls` (3 n, t): how states and tensions change with the drive.
 
-    `x` (N, 4) and `tensions` (t,) are an equilibrium at `q`; the rest as for `lay_out` and `equilibrium.equilibrate`.
-    `buffer` has `newton.workspace_size` numbers.
+    `x` and `tensions` are an equilibrium at the drive `q`; `slopes` rows for lengths in arcs; `of_lines` (t, 3 n + 1)
+    as for `fill_body_tables`. `buffer` has `newton.workspace_size` numbers.
     """
-    body, space = begin(base, arcs, loads, lines, slopes, buffer)
+    body, space = lay_out(base, arcs, loads, lines, slopes, buffer)
     find_taut(lines, tensions, space)
     evaluate_state(x, tensions, body, 1.0, space)
     differentiate_by_drive(sections, of_lines, q, x, body, space, columns, pulls)
@@ -117,27 +118,33 @@ def differentiate(
 def differentiate_by_drive(
     sections: Array, of_lines: Array, q: Array, x: Array, body: Body, space: Workspace, columns: Array, pulls: Array
 ) -> None:
-    """Do that for an equilibrium that was just examined."""
+    """Fill `columns` (3 n, N, 4) and `pulls` (3 n, t), see `differentiate_equilibrium`.
+
+    `x` is an equilibrium that was just evaluated; `of_lines` (t, 3 n + 1).
+    """
     lines, first = body.lines, 0
-    answer_lines(lines, x.shape[0], space)
+    fill_replies(lines, x.shape[0], space)
     for s in range(q.shape[0]):
         for c in range(3):
             at = 3 * s + c
             own = columns[at]
-            _ask(sections, x, body.arcs, first, s, c, space.stages, own, space.trial)
+            _fill_right_side(sections, x, body.arcs, first, s, c, space.stages, own, space.trial)
             solve(own, space.trial, space.stages, own)
             for i in range(lines.shape[0]):
                 pulls[at, i] = -of_lines[i, at]
                 if lines[i, t.STRAIGHT] > 0.0 and lines[i, t.FIRST_ARC] <= first <= lines[i, t.LAST_ARC]:
                     pulls[at, i] -= _chord_slope(sections, lines, i, q, s, c)
-            hold(lines, space, own, pulls[at])
+            hold_taut(lines, space, own, pulls[at])
         first += int(sections[s, t.ARC_COUNT])
 
 
-def _ask(
+def _fill_right_side(
     sections: Array, x: Array, arcs: Array, first: int, s: int, c: int, stages: Array, wanted: Array, given: Array
 ) -> None:
-    """Fill what coordinate `c` of section `s` asks of residuals, and what it makes of rigid coordinates (N, 4)."""
+    """Fill the change of residuals by coordinate `c` of section `s`, `wanted` (N, 4), and that of rigid states `given`.
+
+    The first arc of the section is `first`; `given` (N, 4) is 0 for states that are not rigid.
+    """
     count, fraction = int(sections[s, t.ARC_COUNT]), 1.0 / sections[s, t.ARC_COUNT]
     weight = scale(fraction, get_vec(sections, s, t.HEAVY))
     wanted[:], given[:] = 0.0, 0.0
@@ -148,17 +155,17 @@ def _ask(
                 omega, v = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i), get_vec(stages, k, t.TWIST_COLUMNS + 6 * i + 3)
                 wanted[k, i] += dot(omega, moment) + dot(v, force)
         if k >= first and c == 2:
-            _lengthen(x, arcs, k, fraction, wanted, given)
+            _add_length(x, arcs, k, fraction, wanted, given)
             for i in range(3):
                 wanted[k, i if i < 2 else t.LENGTH] += dot(weight, get_vec(stages, k, t.CENTER_COLUMNS + 3 * i))
             moment, force = add(moment, cross(get_vec(stages, k, t.ARC_CENTER), weight)), add(force, weight)
         elif k >= first:
-            _bend(x, arcs, k, c, fraction, sections[s, t.PULLED] > 0.0, wanted, given)
-    impose(given, stages, wanted)
+            _add_bend(x, arcs, k, c, fraction, sections[s, t.PULLED] > 0.0, wanted, given)
+    impose_rigid_changes(given, stages, wanted)
 
 
-def _lengthen(x: Array, arcs: Array, k: int, fraction: float, wanted: Array, given: Array) -> None:
-    """Longer arcs are softer."""
+def _add_length(x: Array, arcs: Array, k: int, fraction: float, wanted: Array, given: Array) -> None:
+    """Add what a longer section does to arc k, to `wanted` (N, 4) and `given` (N, 4): longer arcs are softer."""
     over = fraction / arcs[k, t.REST_LENGTH] if arcs[k, t.REST_LENGTH] > 0.0 else 0.0
     bend, torsion, stretch = arcs[k, t.BEND_STIFFNESS], arcs[k, t.TORSION_STIFFNESS], arcs[k, t.STRETCH_STIFFNESS]
     if bend < t.RIGID:
@@ -175,13 +182,13 @@ def _lengthen(x: Array, arcs: Array, k: int, fraction: float, wanted: Array, giv
         given[k, t.LENGTH] = fraction
 
 
-def _bend(x: Array, arcs: Array, k: int, c: int, fraction: float, pulled: bool, wanted: Array, given: Array) -> None:
-    """Bend arcs at rest more, but those that lines pull at."""
+def _add_bend(x: Array, arcs: Array, k: int, c: int, share: float, pulled: bool, wanted: Array, given: Array) -> None:
+    """Add what more bend does to arc k, to `wanted` (N, 4) and `given` (N, 4): nothing where lines bend the section."""
     bend = arcs[k, t.BEND_STIFFNESS]
     if bend >= t.RIGID:
-        given[k, c] = fraction
+        given[k, c] = share
     elif not pulled:
-        more = (fraction, 0.0, 0.0) if c == 0 else (0.0, fraction, 0.0)
+        more = (share, 0.0, 0.0) if c == 0 else (0.0, share, 0.0)
         rx, ry, _ = mat_vec(about_z(0.5 * x[k, t.TORSION]), more)
         wanted[k, t.BEND_X] += bend * rx
         wanted[k, t.BEND_Y] += bend * ry

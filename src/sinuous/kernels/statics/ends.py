@@ -20,7 +20,10 @@ def put_ends(sections: Array, frames: Array, ends: Array) -> None:
 def differentiate_ends(
     sections: Array, change: Array, stages: Array, rows: Rows, j: int, seen: Array
 ) -> tuple[Vec, Vec]:
-    """Fill column `j` of what rows see (r, 3 n): a change of states (N, 4). Returns the twist of the last end."""
+    """Fill column `j` of what rows see, `seen` (r, 3 n), of the `change` (N, 4) of states by one coordinate.
+
+    Returns the twist of the last end.
+    """
     omega, velocity, k = ZERO, ZERO, 0
     for s in range(sections.shape[0]):
         for _ in range(int(sections[s, t.ARC_COUNT])):

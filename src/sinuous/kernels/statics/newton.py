@@ -89,14 +89,14 @@ def workspace_size(arcs: int, lines: int, slopes: int) -> int:
     return fixed + (lines + 12) * max(lines + 1, 12) + 7 * lines
 
 
-def begin(base: Array, arcs: Array, loads: Array, lines: Array, slopes: int, buffer: Array) -> tuple[Body, Workspace]:
+def lay_out(base: Array, arcs: Array, loads: Array, lines: Array, slopes: int, buffer: Array) -> tuple[Body, Workspace]:
     """A body, and a space laid out in a buffer of `workspace_size` numbers whose first frame is the base (1, 12)."""
     space, _ = carve(buffer, base, arcs.shape[0], lines.shape[0], slopes)
     return Body(arcs, loads, lines), space
 
 
 def copy_state(x: Array, tensions: Array, to_x: Array, to_tensions: Array) -> None:
-    """Copy states (N, 4) and tensions (t,)."""
+    """Copy states and tensions `to_x` (N, 4) and `to_tensions` (t,)."""
     copy(x, to_x)
     for i in range(tensions.shape[0]):
         to_tensions[i] = tensions[i]
@@ -113,9 +113,9 @@ def find_taut(lines: Array, tensions: Array, space: Workspace) -> None:
 
 @shared
 def evaluate_state(x: Array, tensions: Array, body: Body, load_factor: float, space: Workspace) -> tuple[int, Vec, Vec]:
-    """Fill everything but the step in this state; see `factorise` for what is returned."""
+    """Fill frames, stages, slopes and lengths of lines in this state; see `factorise` for what is returned."""
     assemble(x, body.arcs, body.lines, tensions, load_factor, space.frames, space.stages, space.slopes)
-    _measure(body.lines, space)
+    _sum_lengths(body.lines, space)
     return _factorise(x, body, load_factor, 0.0, space)
 
 
@@ -124,7 +124,7 @@ def _factorise(x: Array, body: Body, load_factor: float, more: float, space: Wor
     return factorise(x, space.frames, body.arcs, body.loads, load_factor, more, space.stages, scratch)
 
 
-def _measure(lines: Array, space: Workspace) -> None:
+def _sum_lengths(lines: Array, space: Workspace) -> None:
     """Sum up the lengths of the lines."""
     for i in range(lines.shape[0]):
         first, total = int(lines[i, t.FIRST_SLOPE]), 0.0
@@ -133,8 +133,8 @@ def _measure(lines: Array, space: Workspace) -> None:
         space.small[LENGTHS, i] = total
 
 
-def along(lines: Array, i: int, change: Array, space: Workspace) -> float:
-    """How the length of line i changes with states (N, 4)."""
+def elongation(lines: Array, i: int, change: Array, space: Workspace) -> float:
+    """How the length of line i changes with a `change` (N, 4) of states."""
     first, begin, total = int(lines[i, t.FIRST_SLOPE]), int(lines[i, t.FIRST_ARC]), 0.0
     for k in range(begin, int(lines[i, t.LAST_ARC]) + 1):
         for j in range(4):
@@ -142,7 +142,7 @@ def along(lines: Array, i: int, change: Array, space: Workspace) -> float:
     return total
 
 
-def answer_lines(lines: Array, count: int, space: Workspace) -> None:
+def fill_replies(lines: Array, count: int, space: Workspace) -> None:
     """Fill what a tension of each held line changes, and the matrix of all."""
     for i in range(lines.shape[0]):
         if lines[i, t.HELD] > 0.0:
@@ -154,22 +154,22 @@ def answer_lines(lines: Array, count: int, space: Workspace) -> None:
                     own[k, j] = space.slopes[first + k - begin, 1 + j]
             solve(own, space.none, space.stages, own)
             for j in range(lines.shape[0]):
-                space.matrix[j, i] = along(lines, j, own, space) if lines[j, t.HELD] > 0.0 else 0.0
+                space.matrix[j, i] = elongation(lines, j, own, space) if lines[j, t.HELD] > 0.0 else 0.0
             space.matrix[i, i] += lines[i, t.COMPLIANCE]
 
 
-def hold(lines: Array, space: Workspace, column: Array, pulls: Array) -> None:
+def hold_taut(lines: Array, space: Workspace, column: Array, pulls: Array) -> None:
     """Let taut lines answer the change `column` (N, 4) of states; `pulls` (t,) of their lengths become tensions."""
     for i in range(lines.shape[0]):
-        space.small[WANTED, i] = along(lines, i, column, space) + pulls[i] if space.small[TAUT, i] > 0.0 else 0.0
+        space.small[WANTED, i] = elongation(lines, i, column, space) + pulls[i] if space.small[TAUT, i] > 0.0 else 0.0
         pulls[i] = 0.0
     solve_taut(space.matrix, space.small[WANTED], space.small[TAUT], pulls, space.scratch[: lines.shape[0]])
     for i in range(lines.shape[0]):
-        _pull(i, pulls[i], space, column)
+        _subtract_reply(i, pulls[i], space, column)
 
 
-def _pull(i: int, tension: float, space: Workspace, column: Array) -> None:
-    """Take off states (N, 4) what so much more tension of line i changes."""
+def _subtract_reply(i: int, tension: float, space: Workspace, column: Array) -> None:
+    """Take off `column` (N, 4), a change of states, what so much more tension of line i changes."""
     count = column.shape[0]
     if tension != 0.0:
         for k in range(count):
@@ -189,12 +189,12 @@ def find_step(tensions: Array, body: Body, space: Workspace) -> int:
     solve(space.step, space.none, space.stages, space.step)
     for i in range(lines.shape[0]):
         small[TENSIONS, i] = tensions[i]
-    answer_lines(lines, count, space)
+    fill_replies(lines, count, space)
     held = 0
     for i in range(lines.shape[0]):
         if lines[i, t.HELD] > 0.0:
             held += 1
-            wanted = small[LENGTHS, i] - lines[i, t.LINE_VALUE] + along(lines, i, space.step, space)
+            wanted = small[LENGTHS, i] - lines[i, t.LINE_VALUE] + elongation(lines, i, space.step, space)
             for j in range(lines.shape[0]):
                 if lines[j, t.HELD] > 0.0:
                     own = space.matrix[i, j] - (lines[i, t.COMPLIANCE] if i == j else 0.0)
@@ -206,11 +206,11 @@ def find_step(tensions: Array, body: Body, space: Workspace) -> int:
     holding = find_tensions(lines, space.matrix, small[WANTED], small[TAUT], small[TENSIONS], scratch)
     for i in range(lines.shape[0]):
         if lines[i, t.HELD] > 0.0:
-            _pull(i, small[TENSIONS, i] - tensions[i], space, space.step)
+            _subtract_reply(i, small[TENSIONS, i] - tensions[i], space, space.step)
     return holding
 
 
-def _size(arcs: Array, space: Workspace) -> tuple[float, float]:
+def _size_of_step(arcs: Array, space: Workspace) -> tuple[float, float]:
     """Largest change of a step (rad, relative lengths), and the share of it that is not too large."""
     step = space.step
     turn = stretch = far = 0.0
@@ -226,7 +226,7 @@ def _size(arcs: Array, space: Workspace) -> tuple[float, float]:
     return max(turn, stretch), 1.0 / most if most > 1.0 else 1.0
 
 
-def _work(tensions: Array, body: Body, space: Workspace) -> float:
+def _work_along_step(tensions: Array, body: Body, space: Workspace) -> float:
     """Derivative along the step of what it lowers, in the state that was examined with these tensions."""
     total = 0.0
     for k in range(space.step.shape[0]):
@@ -234,13 +234,13 @@ def _work(tensions: Array, body: Body, space: Workspace) -> float:
             total += space.step[k, j] * space.stages[k, t.RESIDUAL + j]
     for i in range(body.lines.shape[0]):
         if body.lines[i, t.HELD] > 0.0 and space.small[TAUT, i] > 0.0:
-            moved = along(body.lines, i, space.step, space)
+            moved = elongation(body.lines, i, space.step, space)
             off = space.small[LENGTHS, i] - body.lines[i, t.LINE_VALUE] - body.lines[i, t.COMPLIANCE] * tensions[i]
             total += moved * ((space.small[TENSIONS, i] - tensions[i]) + off / max(abs(space.matrix[i, i]), 1e-300))
     return total
 
 
-def _sound(x: Array, arcs: Array) -> bool:
+def _are_sound(x: Array, arcs: Array) -> bool:
     """Whether arcs are still arcs."""
     for k in range(x.shape[0]):
         square = x[k, t.BEND_X] ** 2 + x[k, t.BEND_Y] ** 2
@@ -264,11 +264,11 @@ def descend(
     more = 0.0
     for iteration in range(most):
         held, more = find_step(tensions, body, space), max(FIRST_STIFFER, more / (STIFFER * STIFFER))
-        largest, alpha = _size(body.arcs, space)
+        largest, alpha = _size_of_step(body.arcs, space)
         while descends and (held < negative or alpha < 1.0) and more < MOST_STIFFER:  # it would lead up, or too far
             negative, _, _ = _factorise(x, body, load_factor, more, space)
             held, more = find_step(tensions, body, space), STIFFER * more
-            largest, alpha = _size(body.arcs, space)
+            largest, alpha = _size_of_step(body.arcs, space)
         if not largest < HUGE:
             return False, iteration
         if largest < CONVERGED:
@@ -277,9 +277,9 @@ def descend(
                     x[k, j] += space.step[k, j]
             for i in range(body.lines.shape[0]):
                 tensions[i] = space.small[TENSIONS, i]
-            return _sound(x, body.arcs), iteration + 1
+            return _are_sound(x, body.arcs), iteration + 1
         negative = _line_search(x, tensions, body, load_factor, alpha, largest < SURE or not descends, space)
-        if not _sound(x, body.arcs):
+        if not _are_sound(x, body.arcs):
             return False, iteration + 1
     return False, most
 
@@ -289,7 +289,7 @@ def _line_search(
 ) -> int:
     """Go along the step, no farther than `most` of it, and check there; returns how many pivots are negative there."""
     small, alpha, negative = space.small, most, 0
-    work = _work(tensions, body, space)
+    work = _work_along_step(tensions, body, space)
     for i in range(body.lines.shape[0]):
         small[TENSION_BEFORE, i] = tensions[i]
         small[TENSION_CHANGE, i] = small[TENSIONS, i] - tensions[i]
@@ -300,7 +300,7 @@ def _line_search(
         for i in range(body.lines.shape[0]):
             tensions[i] = small[TENSION_BEFORE, i] + alpha * small[TENSION_CHANGE, i]
         negative, _, _ = evaluate_state(space.trial, tensions, body, load_factor, space)
-        after = _work(tensions, body, space)
+        after = _work_along_step(tensions, body, space)
         if sure or after <= RETURNED_WORK * abs(work):
             break
         alpha *= max(0.1, min(0.6, abs(work) / (abs(work) + after)))

@@ -50,7 +50,10 @@ def find_tensions(lines: Array, matrix: Array, wanted: Array, taut: Array, out: 
 
 
 def solve_taut(matrix: Array, wanted: Array, taut: Array, out: Array, scratch: Array) -> int:
-    """Solve the equations of taut lines by elimination; return how many pivots are negative."""
+    """Solve the equations of taut lines by elimination; return how many pivots are negative.
+
+    As for `find_tensions`: `matrix` (t, t), `wanted` (t,), `taut` (t,), `out` (t,), `scratch` (t, t + 1).
+    """
     count = wanted.shape[0]
     for i in range(count):
         for j in range(count):

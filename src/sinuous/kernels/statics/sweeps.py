@@ -40,11 +40,11 @@ def factorise(
 
     Parameters
     ----------
-    loads : array (k, 10)
+    loads : ndarray (k, 10)
         In the order of their arcs; `load_factor` of them acts.
     more : float
         By what share of their stiffness all arcs are made stiffer.
-    scratch : array (11, 12)
+    scratch : ndarray (11, 12)
 
     Returns
     -------
@@ -59,28 +59,28 @@ def factorise(
     last = loads.shape[0] - 1
     for k in range(x.shape[0] - 1, -1, -1):
         while last >= 0 and loads[last, t.LOAD_ARC] >= k:
-            m, f, p = _load(frames, loads, last, load_factor, origin)
+            m, f, p = _load_at(frames, loads, last, load_factor, origin)
             moment, force = add(moment, add(m, cross(p, f))), add(force, f)
-            _stiffen(P, p, f)
+            _add_load_stiffness(P, p, f)
             last -= 1
-        _pivot(x, frames, k, origin, moment, force, P, arcs, stages, scratch)
-        negative += _invert(arcs, k, more, stages, scratch)
+        _fill_pivot(x, frames, k, origin, moment, force, P, arcs, stages, scratch)
+        negative += _invert_pivot(arcs, k, more, stages, scratch)
         weight = scale(load_factor, get_vec(arcs, k, t.WEIGHT))
-        _close(k, weight, P, stages, scratch)
+        _pass_to_arc_before(k, weight, P, stages, scratch)
         center = get_vec(stages, k, t.ARC_CENTER)
         moment, force = add(moment, cross(center, weight)), add(force, weight)
     return negative, moment, force
 
 
-def _load(frames: Array, loads: Array, i: int, load_factor: float, origin: Vec) -> tuple[Vec, Vec, Vec]:
+def _load_at(frames: Array, loads: Array, i: int, load_factor: float, origin: Vec) -> tuple[Vec, Vec, Vec]:
     """Moment and force of a load, and where it acts, from the base."""
     rotation, position = frame(frames, int(loads[i, t.LOAD_ARC]) + 1)
     place = add(sub(position, origin), mat_vec(rotation, get_vec(loads, i, t.LOAD_OFFSET)))
     return scale(load_factor, get_vec(loads, i, t.MOMENT)), scale(load_factor, get_vec(loads, i, t.FORCE)), place
 
 
-def _stiffen(P: Array, p: Vec, f: Vec) -> None:
-    """Add how the moment about the base of a force f at p changes with a twist: `(v + omega x p) x f`."""
+def _add_load_stiffness(P: Array, p: Vec, f: Vec) -> None:
+    """Add to `P` (3, 6) how the moment about the base of a force f at p changes with a twist: `(v + omega x p) x f`."""
     along = dot(p, f)
     for i in range(3):
         for j in range(3):
@@ -94,7 +94,7 @@ def _stiffen(P: Array, p: Vec, f: Vec) -> None:
     P[2, 4] -= f[0]
 
 
-def _pivot(
+def _fill_pivot(
     x: Array,
     frames: Array,
     k: int,
@@ -106,7 +106,10 @@ def _pivot(
     stages: Array,
     scratch: Array,
 ) -> None:
-    """Fill the residual of arc k, in `scratch` rows 0 to 3 its pivot (4) and what twists ask of it (6)."""
+    """Fill the residual of arc k; `scratch` (11, 12): in rows 0 to 3 its pivot (4) and what twists ask of it (6).
+
+    `P` (3, 6): how the moment of all beyond changes with a twist.
+    """
     _bend_wrench(x, frames, k, origin, moment, force, scratch)
     for i in range(4):
         omega, v = get_vec(stages, k, t.TWIST_COLUMNS + 6 * i), get_vec(stages, k, t.TWIST_COLUMNS + 6 * i + 3)
@@ -138,7 +141,7 @@ def _pivot(
 
 
 def _bend_wrench(x: Array, frames: Array, k: int, origin: Vec, moment: Vec, force: Vec, scratch: Array) -> None:
-    """Fill rows 4 to 7 of `scratch`: derivatives (4, 4) of `B_k' F` by the state of arc k."""
+    """Fill rows 4 to 7 of `scratch` (11, 12): derivatives (4, 4) of `B_k' F` by the state of arc k."""
     rotation, position = frame(frames, k)
     vx, vy, length = x[k, t.BEND_X], x[k, t.BEND_Y], x[k, t.LENGTH]
     f = vec_mat(force, rotation)
@@ -177,10 +180,10 @@ def stiffness_of(arcs: Array, k: int, i: int) -> float:
     return float(arcs[k, max(0, i - 1)])
 
 
-def _invert(arcs: Array, k: int, more: float, stages: Array, scratch: Array) -> int:
+def _invert_pivot(arcs: Array, k: int, more: float, stages: Array, scratch: Array) -> int:
     """Invert the pivot of arc k, with `more` of its stiffness on top; return how many are negative.
 
-    What is rigid has a row and a column of zero in the inverse.
+    What is rigid has a row and a column of zero in the inverse. `scratch` (11, 12) as `_fill_pivot` left it.
     """
     A = scratch[:4, :4]
     inverse = scratch[4:8]
@@ -210,8 +213,11 @@ def _invert(arcs: Array, k: int, more: float, stages: Array, scratch: Array) -> 
     return low
 
 
-def _close(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None:
-    """Answer twists of the beginning of arc k, and turn P into that of the arc before."""
+def _pass_to_arc_before(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None:
+    """Fill how arc k answers twists of its beginning, and turn `P` (3, 6) into that of the arc before.
+
+    `scratch` (11, 12) as `_fill_pivot` left it.
+    """
     for c in range(3):
         i = c if c < 2 else t.LENGTH
         column = get_vec(stages, k, t.CENTER_COLUMNS + 3 * c)
@@ -231,11 +237,14 @@ def _close(k: int, weight: Vec, P: Array, stages: Array, scratch: Array) -> None
             for m in range(4):
                 total += stages[k, t.PUSH + 3 * m + i] * stages[k, t.FEEDBACK + 6 * m + j]
             P[i, j] += total
-    _stiffen(P, get_vec(stages, k, t.ARC_CENTER), weight)
+    _add_load_stiffness(P, get_vec(stages, k, t.ARC_CENTER), weight)
 
 
-def impose(given: Array, stages: Array, wanted: Array) -> None:
-    """Take off `wanted` (N, 4) what changes of the rigid coordinates (N, 4), 0 of all others, do to their own arcs."""
+def impose_rigid_changes(given: Array, stages: Array, wanted: Array) -> None:
+    """Take off `wanted` (N, 4) what the changes `given` (N, 4) of rigid coordinates do to their own arcs.
+
+    They are 0 of coordinates that are not rigid.
+    """
     for k in range(stages.shape[0]):
         for j in range(4):
             if given[k, j] != 0.0:
@@ -246,7 +255,7 @@ def impose(given: Array, stages: Array, wanted: Array) -> None:
 def solve(wanted: Array, given: Array, stages: Array, out: Array) -> None:
     """Fill `out` (N, 4) with the change of state that changes residuals by `wanted` (N, 4), in two sweeps.
 
-    What is rigid changes as `given` (N, 4) says, see `impose`. `wanted` and `out` may be the same.
+    What is rigid changes as `given` (N, 4) says, see `impose_rigid_changes`. `wanted` and `out` may be the same.
     """
     sx = sy = sz = 0.0
     for k in range(stages.shape[0] - 1, -1, -1):
@@ -271,7 +280,7 @@ def solve(wanted: Array, given: Array, stages: Array, out: Array) -> None:
 
 
 def move(k: int, change: Array, omega: Vec, v: Vec, stages: Array) -> Wrench:
-    """The twist of the end of arc k, from that of its beginning and a change of states (N, 4)."""
+    """The twist of the end of arc k, from that of its beginning and a `change` (N, 4) of states."""
     for i in range(4):
         moved, column = change[k, i], t.TWIST_COLUMNS + 6 * i
         omega = add_scaled(omega, moved, get_vec(stages, k, column))

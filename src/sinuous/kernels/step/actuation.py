@@ -7,6 +7,8 @@ the order of their last segment. Within these limits the configurations are a co
 
 Where the low and the high limit are the same, a value is held: what it leaves of single segments is in their limits
 (`sinuous.model.coordinates`), and the rest stays a row here that binds in every step.
+
+`aim` (n, 3), `home` (n, 3) are configurations, `step` (n, 3) is a motion.
 """
 
 import math
@@ -62,7 +64,7 @@ def _rounding(weights: Vec, total: Vec, value: float) -> float:
     return EQUALITY_ROUNDING * sizes
 
 
-def level(limits: Array, actuation: Array, q: Array) -> bool:
+def meet_held_values(limits: Array, actuation: Array, q: Array) -> bool:
     """Bring `q` to what limits with one value leave, by the least motion; says whether it is there.
 
     Row by row (Kaczmarz), within the planes of bends, but with no other limit of segments.
@@ -93,19 +95,19 @@ def level(limits: Array, actuation: Array, q: Array) -> bool:
     return False
 
 
-def settle(limits: Array, actuation: Array, q: Array) -> None:
+def approach_held_values(limits: Array, actuation: Array, q: Array) -> None:
     """Bring `q` within limits of segments and to what limits of actuators with one value leave, where that is near.
 
     Alternating projections (von Neumann); nothing where no limit has one value.
     """
     if has_equalities(actuation):
-        _settle(limits, actuation, q)
+        _project_by_turns(limits, actuation, q)
 
 
 @apart
-def _settle(limits: Array, actuation: Array, q: Array) -> None:
+def _project_by_turns(limits: Array, actuation: Array, q: Array) -> None:
     for _ in range(SETTLINGS):
-        there = level(limits, actuation, q)
+        there = meet_held_values(limits, actuation, q)
         for k in range(q.shape[0]):
             own = get_vec(q, k, 0)
             kept = project_segment(limits, k, own[0], own[1], own[2])
@@ -159,7 +161,7 @@ def straighten(limits: Array, actuation: Array, q: Array, home: Array) -> None:
     """
     if actuation.shape[0] == 0:
         return
-    settle(limits, actuation, q)
+    approach_held_values(limits, actuation, q)
     for k in range(q.shape[0]):
         x, y, length = get_vec(limits, k, HOME)
         put_vec(home, k, 0, (x, y, q[k, 2] if length < 0.0 else length))

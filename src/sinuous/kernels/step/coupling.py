@@ -5,6 +5,9 @@ same two sweeps, of the mean `L L' c` with no row asking for anything: covarianc
 the second time means alone are carried. The step with m such rows is then, exactly (Woodbury),
 
     dq + sum over a of x_a H^-1 c_a,    sum over b of (c_a . H^-1 c_b + mu [a = b]) x_b = value_a - c_a . dq
+
+`columns` (n, 18) are those of `chain.kinematics`; `weights` (m, 3 n or more) and `pairs` (m, 1 + 3 n) have a row for
+each self-contact.
 """
 
 from sinuous.kernels.body.rows import Rows
@@ -18,7 +21,7 @@ LEAST_PIVOT = 1e-12
 """What keeps two self-contacts that say the same from leaving nothing to divide by."""
 
 
-def reply(
+def apply_inverse(
     columns: Array, root: Array, weights: Array, a: int, first: int, rows: Rows, pull: Array, out: Array, sums_from: int
 ) -> None:
     """Fill `out` (n, 3) with `H^-1 c`, for the weights c in row `a` of `weights` from column `first` on.
@@ -37,7 +40,7 @@ def couple(state: State, work: Work, mu: float, sums_from: int) -> None:
     n, count = state.q.shape[0], int(state.norms[PAIRS])
     pairs, _, pull, replies, system = coupling_of(state, work)
     for a in range(count):
-        reply(state.columns, work.root, pairs, a, PAIR_WEIGHTS, state.rows, pull, replies[a], sums_from)
+        apply_inverse(state.columns, work.root, pairs, a, PAIR_WEIGHTS, state.rows, pull, replies[a], sums_from)
         for b in range(a + 1):
             system[a, b] = system[b, a] = _seen(pairs, b, replies[a])
         system[a, a] += mu + LEAST_PIVOT

@@ -8,6 +8,9 @@ of the motion of each segment, the damped Gauss-Newton step of `sweeps` is
     dq = mean + L L' J' x,     (J L L' J' + variances) x = values - J mean
 
 J stays when limits bind and the step is computed once more, with another L and another mean, as half of all steps are.
+
+`columns` (n, 18) are those of `chain.kinematics`, `jacobian` (n, 18) is J, `mean` (n, 3) a motion that is decided
+beforehand.
 """
 
 from sinuous.kernels.body.rows import END, SOFT, Rows

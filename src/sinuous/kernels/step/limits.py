@@ -3,6 +3,9 @@
 Where a segment bends in one plane, its bend is `rest + z plane` with z between two limits; where its bend is locked,
 both are the same. Row k of `limits` (n, 35) is that of segment k, see `tables`: its limits, its radii, and the scales
 of a bend (rad) and of a length in which motion is measured (0: that coordinate cannot move).
+
+`step` (n, 3) is a motion, `out` (n, 3) a configuration; `mean` (n, 3) a motion that is decided beforehand, and `bound`
+(n,) int64 what of each segment is bound, see `sweeps` and `bind`.
 """
 
 import math

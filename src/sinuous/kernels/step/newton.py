@@ -178,7 +178,7 @@ def _finite(q: Array, k: int) -> bool:
 def move(problem: Problem, state: State, work: Work, trial: State) -> None:
     """Take the step, within all limits; a segment whose step has no number stays where it is."""
     limits.move(problem.limits, state.q, work.step, trial.q)
-    actuation.settle(problem.limits, problem.actuation, trial.q)
+    actuation.approach_held_values(problem.limits, problem.actuation, trial.q)
     actuation.hold_back(problem.actuation, state.q, trial.q)
     for k in range(trial.q.shape[0]):
         if not _finite(trial.q, k):

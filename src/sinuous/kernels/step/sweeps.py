@@ -13,6 +13,8 @@ rows are then met exactly, with the least motion that does so.
 
 `L_k` (3 x 3) is the root of the metric in which motion is measured. Directions that a limit forbids are left out of
 it, and `mean_k` is a motion decided beforehand: up to a bound, or towards a preference.
+
+`columns` (n, 18) has the columns of all `B_k`, see `chain.kinematics`; `mean` (n, 3).
 """
 
 from sinuous.kernels.body.rows import END, HARD, IDLE, SOFT, Rows

@@ -9,6 +9,8 @@ constraint that is violated the most). `H^-1 c` comes from the two sweeps that m
 The step is free first; then the constraint that it violates the most is added to the working set, until it violates
 none. Those of contacts and actuators are listed in `bounds`, those of single segments are found when they are
 violated (`bounds.worst_cut`).
+
+`start` (n, 3) is where the step begins; `rows` (b, 3 n + 10) are bounds.
 """
 
 import math
@@ -158,6 +160,7 @@ def _add_cut(control: Control, count: int, cut: Cut, k: int, softness: float) ->
 
 
 def _dot(a: Array, b: Array) -> float:
+    """Product of `a` (w,) and `b` (w,)."""
     total = 0.0
     for i in range(a.shape[0]):
         total += a[i] * b[i]

@@ -4,6 +4,8 @@ Two bodies have one interface. A *rigid* one has the arcs of the configuration i
 code for it has nothing of the other. One *in equilibrium* (`RestingBody`) gives way to its loads: its arcs are those of
 the equilibrium at a drive, and follow as the derivative of that says (`statics.drive`), so every row that sees arcs is
 carried over to the drive. Rows of targets are dense then: the end of a segment moves with every coordinate.
+
+`unloaded` (N, 4) are states without load.
 """
 
 import math
@@ -30,14 +32,14 @@ from sinuous.kernels.maths.vectors import (
 )
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.statics import layout as t
-from sinuous.kernels.statics.drive import differentiate_by_drive, fill
+from sinuous.kernels.statics.drive import differentiate_by_drive, fill_tables
 from sinuous.kernels.statics.ends import differentiate_ends, predict_state, put_ends
-from sinuous.kernels.statics.equilibrium import follow, is_stable
+from sinuous.kernels.statics.equilibrium import equilibrate_near, is_stable
 from sinuous.kernels.statics.newton import copy_state, evaluate_state, find_taut
 from sinuous.kernels.statics.sweeps import stiffness_of
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.actuation import NO_SUMS
-from sinuous.kernels.step.coupling import reply
+from sinuous.kernels.step.coupling import apply_inverse
 from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.targets import end_pose
 from sinuous.kernels.velocity import layout as v
@@ -81,7 +83,7 @@ def move_body(limits: Array, control: Control, resting: RestingBody | None) -> b
 
 
 def _rest_at(control: Control, own: RestingBody) -> bool:
-    fill(own.sections, own.of_lines, control.q, own.body.arcs, own.body.lines, own.unloaded)
+    fill_tables(own.sections, own.of_lines, control.q, own.body.arcs, own.body.lines, own.unloaded)
     if _is_at(own, control.q):
         if not is_stable(own.record):  # of the last search, which ended elsewhere
             find_taut(own.body.lines, own.tensions, own.space)
@@ -106,7 +108,7 @@ def _find_near(own: RestingBody, q: Array) -> bool:
     """Bring the body to rest at a drive `q` (n, 3), whose arcs are there, from the state that is predicted."""
     predict_state((own.at, own.x, own.tensions), (own.columns, own.pulls), q, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, own.unloaded, own.trial_x)
-    follow(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
+    equilibrate_near(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
     found = is_stable(own.record)
     if found:
         copy(q, own.at)
@@ -232,7 +234,7 @@ def answer_weights(control: Control, resting: RestingBody | None, a: int, moved:
     """Fill `moved` (n, 3) with `H^-1 c` for the weights c of constraint `a`; see `active_set`."""
     weights = control.working.weights
     if resting is None:
-        reply(control.columns, control.root, weights, a, 0, control.rows, control.working.pull, moved, NO_SUMS)
+        apply_inverse(control.columns, control.root, weights, a, 0, control.rows, control.working.pull, moved, NO_SUMS)
     else:
         for k in range(moved.shape[0]):
             root = get_mat(control.root, k, 0)

@@ -4,7 +4,10 @@ All bounds hold for no motion at all, so they never contradict each other: a lim
 to be exceeded further, and so is a gap that is used up. What is only wished for may stay unmet. Bounds of actuators are
 linear, and listed beforehand (`add_actuators`). Those of segments are discs and cones: a *cut* is the tangent plane at
 the place where a step leaves one, found when it does (`worst_cut`); what curvature leaves over is put right afterwards
-(`take`).
+(`move_within_bounds`).
+
+`start` (n, 3) is where the step begins, `step` (n, 3) a motion, `rates` (7,) those of a segment, and `actuator` (3 n +
+5,) a row of actuators, see `layout`.
 """
 
 import math
@@ -379,7 +382,7 @@ def _share_of_actuators(asked: StepRequest, control: Control, start: Array) -> f
     return t
 
 
-def take(problem: Problem, asked: StepRequest, control: Control, start: Array) -> None:
+def move_within_bounds(problem: Problem, asked: StepRequest, control: Control, start: Array) -> None:
     """Fill `control.trial` with where `control.step` leads, within all limits and rates."""
     n = control.q.shape[0]
     for k in range(n):

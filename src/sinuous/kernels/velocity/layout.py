@@ -6,6 +6,8 @@ limit or a rate. Rates hold for the step as a whole, from the configuration that
 A *constraint* is `weights . dq >= value`. A *bound* is a row of weights with up to four of them: least and greatest
 value, and least and greatest value that is wished for. The *working set* holds the constraints that the step was found
 to violate; those whose multipliers are positive are *active* (Nocedal & Wright, chapter 16).
+
+`asked` (w,) is the group.
 """
 
 from collections import namedtuple

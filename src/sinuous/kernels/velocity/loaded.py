@@ -3,6 +3,10 @@
 The way of a control step is that of its motors, which run evenly. Bodies on it are those of arcs linear between two
 shapes, but for how far equilibria leave these (`statics.departure`): so for a thicker body. Tensions are within the
 straight line between both ends, but for how far stretches leave it. What is undecided is halved.
+
+`asked` (w,) is the group of `layout`, `answer` (w,) that of `query`; `of_lines` (t, 3 n + 1) as in `statics.drive`;
+`stretches` (t, 2), `carried` (k, 10) see `Tables`, `held` (2, t) see `Way`; `seen` (2, 6) and `now` (2, 6) as in
+`certificate.proof`; `start` (n, 3) is a drive.
 """
 
 import math
@@ -30,15 +34,21 @@ from sinuous.kernels.statics.departure import (
     OFF,
     Departure,
     Way,
+    bound_departure,
     carve_departure,
-    depart,
     departure_size,
-    lay_between,
+    fill_tables_between,
     stretch_of,
 )
-from sinuous.kernels.statics.drive import fill
+from sinuous.kernels.statics.drive import fill_tables
 from sinuous.kernels.statics.ends import put_ends
-from sinuous.kernels.statics.equilibrium import EQUILIBRIUM_WIDTH, LOAD_FACTOR, follow, is_stable, settle
+from sinuous.kernels.statics.equilibrium import (
+    EQUILIBRIUM_WIDTH,
+    LOAD_FACTOR,
+    equilibrate_body,
+    equilibrate_near,
+    is_stable,
+)
 from sinuous.kernels.statics.newton import Body, carve, copy_state, workspace_size
 from sinuous.kernels.step.newton import FINEST_PROOF
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH, RADIUS, SEGMENT_WIDTH, SELF_RADIUS
@@ -188,8 +198,8 @@ def loaded_step(
     """Go on from the drive `start` (n, 3), as `asked` says, within all bounds; nothing is proved of the way.
 
     As `query.control_step`; beside the group of the robot there is that of its body of `arcs`. `sections` to `slopes`
-    see `Tables`, `of_lines` (t, 3 n + 1) `statics.drive.lay_out`; states `x` (N, 4) and `tensions` (t,) are those of
-    the start, NaN where they are not known, and become those where the last step but one led. `workspace`: see
+    see `Tables`, `of_lines` (t, 3 n + 1) `statics.drive.fill_body_tables`; states `x` and `tensions` are those of the
+    start, NaN where they are not known, and become those where the last step but one led. `workspace`: see
     `loaded_size`. Fills `tip` (6, 3 n), how the tool turns and moves with the drive, and of `answer` how many steps
     there were, where it goes, active constraints, and of several steps errors of the targets. It ends after work that
     is worth the seconds that are asked for, and returns the work units that are left: an answer does not depend on the
@@ -303,7 +313,7 @@ def certify_step(
     answer[k.STEP_FRACTION] = 0.0
     answer[k.CLEARANCE] = answer[k.SELF_CLEARANCE] = -math.inf
     answer[k.MERIT] = answer[k.POSITION_ERROR] = answer[k.ANGLE_ERROR] = math.inf
-    if not _settle(own, way):
+    if not _find_end(own, way):
         answer[k.START] = NO_BODY
         return work_left(work.sweep.clock)
     answer[k.START] = verdict = _evaluate_end(problem, work, own, way, answer)
@@ -314,7 +324,7 @@ def certify_step(
     return work_left(work.sweep.clock)
 
 
-def _settle(own: RestingBody, way: Way) -> bool:
+def _find_end(own: RestingBody, way: Way) -> bool:
     """Find the end of a way from the body without load, as whoever asks for its shape does; say whether there is one.
 
     So an answer does not depend on what was asked before.
@@ -327,9 +337,9 @@ def _settle(own: RestingBody, way: Way) -> bool:
 
 def _find_body(own: RestingBody, q: Array, x: Array, tensions: Array) -> bool:
     """Fill states (N, 4) and tensions (t,) at a drive (n, 3), found from the body without load."""
-    fill(own.sections, own.of_lines, q, own.body.arcs, own.body.lines, x)
+    fill_tables(own.sections, own.of_lines, q, own.body.arcs, own.body.lines, x)
     tensions[:] = 0.0
-    settle(x, tensions, own.body, True, own.space, own.record)
+    equilibrate_body(x, tensions, own.body, True, own.space, own.record)
     return is_stable(own.record)
 
 
@@ -399,10 +409,10 @@ def _put_drive(way: Way, share: float, piece: Way, end: int) -> None:
 
 def _find_middle(own: RestingBody, piece: Way, departure: Departure) -> bool:
     """Find the equilibrium half-way, into the state that is tried."""
-    lay_between(departure, piece, 0.5, own.body.arcs)
+    fill_tables_between(departure, piece, 0.5, own.body.arcs)
     copy_state(departure.x, departure.tensions, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, departure.states, own.trial_x)
-    follow(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
+    equilibrate_near(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
     return is_stable(own.record)
 
 
@@ -415,7 +425,7 @@ def _certify_piece(
     """
     verdict, until = float(UNDECIDED), 0.0
     for accuracy in (COARSE, CLOSE):
-        depart(scratch.departure, piece, own.space, accuracy, own.record[:DEPARTURE_WIDTH])
+        bound_departure(scratch.departure, piece, own.space, accuracy, own.record[:DEPARTURE_WIDTH])
         spend(own.arcs.sweep.clock, t.ARC_WORK * own.x.shape[0])
         deviation, off = own.record[DEVIATION], own.record[OFF]
         if deviation < math.inf:

@@ -2,6 +2,8 @@
 
 The step is the damped one of `velocity.active_set`; towards targets there may be several, one after the other. What is
 proved clear of the motion from start to end, linear in q, is taken.
+
+`asked` (w,) is the group of `layout`, `answer` (w,) has the columns below; `start` (n, 3) is where the step begins.
 """
 
 import math
@@ -49,7 +51,7 @@ from sinuous.kernels.velocity.body import (
     move_body,
     move_freely,
 )
-from sinuous.kernels.velocity.bounds import add_actuators, size_of, take
+from sinuous.kernels.velocity.bounds import add_actuators, move_within_bounds, size_of
 from sinuous.kernels.velocity.contacts import ContactGaps, add_contacts, add_self_contacts
 from sinuous.kernels.velocity.layout import Control, StepRequest, carve_control, read_asked
 
@@ -260,7 +262,7 @@ def advance(
             control.root, asked.rates[:, v.CHANGE_BEFORE :]
         )
         count = constrained_step(problem, asked, control, start, bounds, mu, most)
-        take(problem, asked, control, start)
+        move_within_bounds(problem, asked, control, start)
         rounds += 1
         if asked.rounds == 1:
             _limit_travel(problem, asked, control, problem.unit * math.sqrt(merit) + lack, lack)

@@ -3,7 +3,7 @@
 In equilibrium `S (q - rest) = A' f` with `f = k max(0, d - A q)`; a change of anything in it moves `q` by
 `H^-1 (A' df + dA' f - dS (q - rest) + S drest)`, where `H = S + A' k A` over the lines that pull. Rigid actuators are
 lines of stiffness 1 that push, too, and nothing resists them: that is their least-squares solution. Bodies that gravity
-bends are in equilibrium (`sinuous.kernels.statics.answers`).
+bends are in equilibrium (`sinuous.kernels.statics.table_derivatives`).
 
 Bodies at values of the actuators, and where their places are: without load, or in equilibrium under their weight.
 """

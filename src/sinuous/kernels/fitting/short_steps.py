@@ -21,7 +21,7 @@ REACH_STEP, TURN_STEP = 0.25, 0.08
 LEAST_REACH = 1e-3
 """How far it does at least, in lengths of the robot."""
 
-SETTLE_DAMPING = 2e-5
+DAMPING = 2e-5
 """Damping of the steps."""
 
 
@@ -38,7 +38,7 @@ def _hold_back(problem: Problem, state: State) -> None:
             rows.value[i] = min(rows.value[i], reach / problem.unit)
 
 
-def settle(problem: Problem, states: State, at: int, work: Work) -> int:
+def draw_to_targets(problem: Problem, states: State, at: int, work: Work) -> int:
     """Draw the chain of state `at` to the targets, as far as the time allows; returns the state with the result.
 
     States 0 and 1 take turns.
@@ -54,7 +54,7 @@ def settle(problem: Problem, states: State, at: int, work: Work) -> int:
             break
         _hold_back(problem, state)
         wish_nothing(work)
-        step(problem, state, work, SETTLE_DAMPING)
+        step(problem, state, work, DAMPING)
         move(problem, state, work, pick(states, 1 - at))
         at = 1 - at
     return at

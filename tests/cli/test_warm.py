@@ -111,6 +111,6 @@ def test_every_entry_is_in_one_piece() -> None:
 def test_methods_that_are_not_asked_for_are_left_out() -> None:
     named = [step.what for step in steps(["dls", "dls"])]
     geometry = ["kinematics", "starts of a memory", "distances", "classes of routes", "motions", "plans"]
-    bodies = ["derivatives", "derivatives among obstacles", "shapes under load", "control loops under load"]
+    bodies = ["derivatives", "shapes under load", "control loops under load"]
     assert named == [*geometry, "control loops", *bodies, "the method dls"]
     assert {step.what for step in steps()} >= {f"the method {name}" for name in METHODS if name != "newton"}

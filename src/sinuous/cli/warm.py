@@ -96,8 +96,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[WarmStep]:
         WarmStep("motions", _motions),
         WarmStep("plans", _plans),
         WarmStep("control loops", partial(_loops, ROBOT)),
-        WarmStep("derivatives", partial(_derivatives, None)),
-        WarmStep("derivatives among obstacles", partial(_derivatives, FAR)),
+        WarmStep("derivatives", _derivatives),
         WarmStep("shapes under load", _shapes_under_load),
         WarmStep("control loops under load", partial(_loops, HEAVY)),
     ]
@@ -129,8 +128,8 @@ def _loops(robot: Robot) -> None:
     Solver._of_checked(robot, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(robot), (0.0,) * 6, 1.0)
 
 
-def _derivatives(scene: Scene | None) -> None:
-    solver = Solver._for_one_query(ROBOT, scene)
+def _derivatives() -> None:
+    solver = Solver._for_one_query(ROBOT, FAR)
     _ = solver.solve(TARGET).derivative().clearance
     solver.solve_many([TARGET]).derivative()
 

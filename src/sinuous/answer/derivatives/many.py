@@ -175,9 +175,7 @@ def derivatives_of(
     problem = problems.problem(0) if len(q) else _nothing_asked(problems)
     plan = DerivativePlan(problem, wrt)
     moved, status = np.empty((len(q), 3 * q.shape[1], plan.columns)), np.empty(len(q))
-    scene = problems.scene
-    group = scene._kernel_group if len(scene) else None
-    rows = []
+    group, rows = problems.scene._kernel_group, []
     for first, last in runs:
         own = plan if first == 0 else DerivativePlan(problems.problem(first), wrt)
         rows.append(on_rows(problems.robot, problems.target_sets.chunk(first, last)))

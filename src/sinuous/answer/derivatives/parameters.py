@@ -274,7 +274,7 @@ class KeptRows:
         With a finite `keep` find the places of the body whose gaps to obstacles are at most about that: gaps count
         from there.
         """
-        answer, group = np.empty(plan.answer), problem.scene._kernel_group if plan.obstacles else None
+        answer, group = np.empty(plan.answer), problem.scene._kernel_group
         workspace = plan.workspace if keep == math.inf else np.empty(plan.workspace.size)
         own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines
         derive(*own, np.array(q), keep, workspace, answer)

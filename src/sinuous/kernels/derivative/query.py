@@ -122,14 +122,14 @@ def _find_rows(problem: Problem, work: Workspace, keep: float) -> tuple[int, int
     """
     forward_with_columns(problem.limits, work.q, work.frames, work.columns)
     if keep < math.inf:
-        count, told = add_contacts(problem.scene, problem, work, 0, keep)
+        count, told = add_contacts(problem, work, 0, keep)
         normalise(problem.limits, work, count)
         return count, 0, 0.0, told
     targets, residual = add_targets(problem, work)
     targets, full = add_equalities(problem, work, targets)
     count, told = add_limits(problem, work, targets, NEAR_BY)
     told |= full
-    count, more = add_contacts(problem.scene, problem, work, count, problem.margin)
+    count, more = add_contacts(problem, work, count, problem.margin)
     told |= more
     count, more = add_self_contacts(problem, work, count, problem.margin)
     normalise(problem.limits, work, count)
@@ -158,7 +158,7 @@ def _largest(sides: Array) -> float:
 def _follow(problem: Problem, asked: Array, lines: Array, work: Workspace, count: int, targets: int) -> int:
     """Move `work.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status."""
     status = 0
-    fill_sides(problem.scene, problem, asked, lines, work, count)
+    fill_sides(problem, asked, lines, work, count)
     if factorise(problem.limits, work, count, targets) > 0:
         status |= d.SINGULAR
     called = add_least_motions(problem.limits, work, count, targets, work.sides, work.moved)
@@ -170,7 +170,7 @@ def _follow(problem: Problem, asked: Array, lines: Array, work: Workspace, count
 @shared
 def _derive(
     robot: Array,
-    scene: Array | None,
+    scene: Array,
     settings: Array,
     targets: Array,
     asked: Array,
@@ -191,7 +191,7 @@ def _derive(
     copy(q, work.q)
     count, met, residual, status = _find_rows(problem, work, keep)
     if keep < math.inf:
-        fill_sides(problem.scene, problem, asked, lines, work, count)
+        fill_sides(problem, asked, lines, work, count)
     else:
         move_directly(problem, asked, work.moved)
         status |= _follow(problem, asked, lines, work, count, met)
@@ -206,7 +206,7 @@ def _derive(
 @entry
 def derive(
     robot: Array,
-    scene: Array | None,
+    scene: Array,
     settings: Array,
     targets: Array,
     asked: Array,
@@ -221,8 +221,7 @@ def derive(
     With a finite `keep` nothing is derived: the rows of the answer are those of the places whose gaps to obstacles are
     at most about `keep`, and what is left of a gap is counted from there.
 
-    `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says; `scene` is `None` without
-    obstacles. `asked` (14,) int64: the first column of each group of parameters, or -1, and sizes, see `layout`.
+    `asked` (14,) int64: the first column of each group of parameters, or -1, and sizes, see `layout`.
     `lines` (p, 3): see `sides`. `workspace`: see `layout.workspace_size`.
     """
     _derive(robot, scene, settings, targets, asked, lines, q, keep, workspace, answer)
@@ -231,7 +230,7 @@ def derive(
 @entry
 def derive_many(
     robot: Array,
-    scene: Array | None,
+    scene: Array,
     settings: Array,
     targets: Array,
     asked: Array,

@@ -10,7 +10,6 @@ from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.derivative import layout as v
 from sinuous.kernels.derivative.layout import Workspace
-from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.solids import LOWER_BOUND
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, dot, get_vec, put_vec, scale, vec_mat
 from sinuous.kernels.problem import Problem
@@ -205,13 +204,12 @@ def _add_actuators(problem: Problem, work: Workspace, first: int, near_by: float
     return at, 0
 
 
-def add_contacts(scene: Scene | None, problem: Problem, work: Workspace, first: int, keep: float) -> tuple[int, int]:
+def add_contacts(problem: Problem, work: Workspace, first: int, keep: float) -> tuple[int, int]:
     """Write a row for every place of the body whose gap to an obstacle is about `keep` or less, from row `first` on.
 
     The row is the gradient of the gap. Returns the next free row, and TOO_MANY where they do not fit.
     """
-    if scene is None:
-        return first, 0
+    scene = problem.scene
     q, ahead, mount, at = work.q, BESIDE * keep, problem.mount, first
     body = PosedBody(problem.limits, q, work.frames, problem.unit)
     shape = Shape(problem.limits, q, work.frames, work.spans)

@@ -42,7 +42,7 @@ def place_of(scene: Scene, i: int) -> Vec:
     return 0.0, 0.0, 0.0
 
 
-def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array, work: Workspace, count: int) -> None:
+def fill_sides(problem: Problem, asked: Array, lines: Array, work: Workspace, count: int) -> None:
     """Fill `work.sides` for the first `count` rows."""
     sides, about = work.sides[:count], work.about
     sides[:] = 0.0
@@ -54,7 +54,7 @@ def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array
         if about[at, d.ROW_KIND] == d.TARGET_ROW:
             _of_target(problem, asked, work, at, wrench)
         else:
-            _of_constraint(scene, problem, asked, lines, work, at, wrench)
+            _of_constraint(problem, asked, lines, work, at, wrench)
         for c in range(sides.shape[1]):
             sides[at, c] *= about[at, d.ROW_FACTOR]
 
@@ -98,7 +98,7 @@ def _of_target(problem: Problem, asked: Array, work: Workspace, at: int, wrench:
 
 
 def _of_constraint(
-    scene: Scene | None, problem: Problem, asked: Array, lines: Array, work: Workspace, at: int, wrench: tuple[Vec, Vec]
+    problem: Problem, asked: Array, lines: Array, work: Workspace, at: int, wrench: tuple[Vec, Vec]
 ) -> None:
     sides, about, limits = work.sides, work.about, problem.limits
     kind, k, other = int(about[at, d.ROW_KIND]), int(about[at, d.ROW_SEGMENT]), int(about[at, d.ROW_OTHER])
@@ -119,10 +119,10 @@ def _of_constraint(
             sides[at, asked[d.RADII] + other] += 1.0
     if kind == ACTUATOR_LIMIT:
         _of_actuator(problem, asked, lines, work, at, (k, other), upper)
-    if kind == CLEARANCE_LIMIT and asked[d.OBSTACLES] >= 0 and scene is not None:
+    if kind == CLEARANCE_LIMIT and asked[d.OBSTACLES] >= 0:
         torque, force = wrench
         first = asked[d.OBSTACLES] + 6 * other
-        arm = sub(place_of(scene, other), frame(work.frames, 0)[1])
+        arm = sub(place_of(problem.scene, other), frame(work.frames, 0)[1])
         put_vec(sides, at, first, sub(torque, cross(arm, force)))
         put_vec(sides, at, first + 3, force)
 

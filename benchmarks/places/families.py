@@ -375,6 +375,7 @@ _TRAPS: Traps = {
     "box duct": (tubes.box_duct, "a flat duct of rectangular section, from the base or beyond it, boxes"),
     "rods": (media.rods, "hundreds of rods thrown about, capsules"),
     "sheets": (media.sheets, "hundreds of thin sheets, boxes"),
+    "disks": (media.disks, "a body that bends in one plane among hundreds of disks and bars there, balls and capsules"),
     "hoops": (media.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
     "cables": (media.cables, "trays of curved cables, hundreds of capsules"),
     "profiles": (media.profiles, "a frame of hundreds of profiles, boxes and cylinders"),

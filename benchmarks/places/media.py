@@ -210,6 +210,9 @@ PARTS, MADE = (200, 900), 4
 ROD, ROD_LENGTH = (0.08, 0.6), (6.0, 40.0)
 """Radius of rods, and their length."""
 
+DISK, BAR_LENGTH = (0.3, 2.5), (2.0, 14.0)
+"""Radius of disks in the plane of a body, and length of bars."""
+
 THIN, SHEET_SIZE = (0.05, 0.25), (1.0, 7.0)
 """Half the thickness of sheets, and their edges."""
 
@@ -250,6 +253,29 @@ def sheets(robot: sn.Robot, rng: Generator) -> Sketch:
         return [sn.Box(place, size, rng.normal(size=4) if common is None else common + 0.1 * rng.normal(size=4))]
 
     return _crowd(robot, rng, sheet, 1)
+
+
+def disks(robot: sn.Robot, rng: Generator) -> Sketch | None:
+    """Bend a body that bends in one plane between disks and bars of that plane: balls and capsules."""
+    segments = [
+        sn.Segment(one.length, one.max_bend, radius=one.radius, plane=0.0 if one.max_bend else None)
+        for one in robot.segments
+    ]
+    robot = sn.Robot(segments, mount=robot.mount, base=robot.base)
+    radius, (ahead, normal, aside) = max(robot.radii), robot.base[:3, [2, 1, 0]].T
+    found = draw_flat_shape(robot, APART * radius, 0.0, rng)
+    if found is None:
+        return None
+
+    def disk(place: Floats, radius: float) -> list[Obstacle]:
+        place = place - (place - robot.base[:3, 3]) @ normal * normal
+        if rng.random() < 0.5:
+            return [sn.Sphere(place, radius * rng.uniform(*DISK))]
+        turn, length = rng.uniform(0.0, math.pi), radius * rng.uniform(*BAR_LENGTH)
+        half = 0.5 * length * (math.cos(turn) * aside + math.sin(turn) * ahead)
+        return [sn.Capsule(place - half, place + half, radius * rng.uniform(*ROD))]
+
+    return _crowd(robot, rng, disk, 1, drawn=(*found, radius))
 
 
 def hoops(robot: sn.Robot, rng: Generator) -> Sketch:
@@ -401,9 +427,10 @@ def _crowd(
     part: Callable[[Floats, float], list[Obstacle]],
     each: int,
     threaded: Callable[[Curve], list[Obstacle]] | None = None,
+    drawn: tuple[Floats, Curve, float] | None = None,
 ) -> Sketch:
     """Draw parts, of up to `each` obstacles, and keep those that leave the shape alone, until there are enough."""
-    q, curve, radius = _drawn(robot, rng)
+    q, curve, radius = _drawn(robot, rng) if drawn is None else drawn
     wanted, kept = int(rng.integers(*PARTS)), list[Obstacle]()
     tries = max(8, MADE * wanted // each)
     for i, place in enumerate(_places(curve, radius, tries, rng)):

@@ -7,6 +7,10 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.kernels import tables as t
+from sinuous.solver.routing.chains import find_terminal_poses
+from sinuous.solver.routing.partial_chains import FLIP, problem_from_pose, reverse_chain, reverse_problem, segments_in
+from sinuous.solver.routing.searches import Searches
 from tests.helpers import refused
 
 LOOSE: dict[str, Any] = {"routes": False, "max_starts": 12}
@@ -80,3 +84,30 @@ def test_derivatives_move_within_planes() -> None:
 @pytest.mark.parametrize("method", ["fabrikc", "fabrikx", "fabrik_avoid", "slinki", "opti_path"])
 def test_methods_for_free_bends_refuse_planes(method: Any) -> None:
     refused("method", lambda: sn.Solver(LOCKED, method=method), "bends in one plane")
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.5])
+@pytest.mark.parametrize("asked", [False, True])
+def test_chains_from_the_target_stay_in_the_plane_of_the_body(angle: float, asked: bool) -> None:
+    bending = [sn.Segment((0.5, 1.0), 2.0, plane=turn) for turn in (angle, angle + math.pi, angle)]
+    robot = sn.Robot([sn.Segment((0.0, 2.0), 0.0), *bending], base=sn.pose((1, 2, 3), rotation=(1, 2, 3, 4)))
+    way = np.array([math.cos(angle), math.sin(angle), 0.0])
+    q = np.array([1.0, 0.9, -0.4, 1.5])[:, None] * way * [[0.0], [1.0], [1.0], [1.0]] + [0.0, 0.0, 0.8]
+    tip = robot.tip(q)
+    target = sn.Target(tip[:3, 3], direction=tip[:3, 2] if asked else None)
+    scene = sn.Scene([sn.Sphere((50.0, 0.0, 0.0), 1.0)])
+    searches = Searches(robot, scene, sn.Tolerance().for_robot(robot))
+    groups = searches.groups(sn.Problem(robot, (target,), scene))
+    normal = robot.base[:3, :3] @ np.cross([0.0, 0.0, 1.0], way)
+    poses = find_terminal_poses(groups, np.linspace(robot.base[:3, 3], tip[:3, 3], 20))
+    assert len(poses) == 1 if asked else len(poses) > 4
+    turns = poses[:, :9].reshape(-1, 3, 3)  # in the frames of chains that begin there, the plane is the same for all
+    np.testing.assert_allclose(normal @ turns, np.broadcast_to([-way[1], -way[0], 0.0], (len(poses), 3)), atol=1e-12)
+    end = np.append((tip[:3, :3] @ FLIP).ravel(), tip[:3, 3])
+    if asked:
+        np.testing.assert_allclose(poses[0], end, atol=1e-12)
+    other, chain = reverse_problem(groups, end), q[::-1] * [1.0, -1.0, 1.0]
+    bends = segments_in(other[0])[:3, t.PLANE : t.PLANE + 2]
+    across = bends[:, 0] * chain[:3, 1] - bends[:, 1] * chain[:3, 0]
+    np.testing.assert_allclose(across, 0.0, atol=1e-12)
+    np.testing.assert_allclose(reverse_chain(groups, problem_from_pose(other, end), chain), q, atol=1e-12)

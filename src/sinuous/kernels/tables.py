@@ -205,9 +205,9 @@ scattered ones; and seconds."""
 
 # --- the query of a route search ------------------------------------------------------------------------------------
 
-QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK = 0, 3, 6, 9
+QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK, QUERY_NORMAL = 0, 3, 6, 9, 12
 """Where routes begin, and the unit tangent there; where they end, and the unit vector to where they come from there
-(zero: from anywhere)."""
+(zero: from anywhere); and the unit normal of the plane that they stay in (zero: anywhere)."""
 
 (
     QUERY_GOAL_RADIUS,
@@ -221,13 +221,13 @@ QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK = 0, 3, 6, 9
     QUERY_FREE_MARGIN,
     QUERY_MOST_CELLS,
     QUERY_PROVE,
-) = range(12, 23)
+) = range(15, 26)
 """How far from the goal a route may end, and how much farther a proof has to grant; radius of what moves along the
 route, and its least length; the longest route; length from the origin that obstacles do not concern. Edge of the cells;
 distance from obstacles with which a cell can be passed; room beyond the radius that costs nothing; most cells that a
 search meets, a power of two; whether to prove that there is no route where none is found."""
 
-QUERY_WIDTH = 23
+QUERY_WIDTH = 26
 
 FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED = range(5)
 """How a route search ended: with a route; without; its table was full; its time was up; without, and it is proved that

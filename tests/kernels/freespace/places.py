@@ -45,6 +45,7 @@ def grid(**changed: Any) -> SearchGrid:
         "clearance_weight": 1.0,
         "longest": math.inf,
         "mode": INTERPOLATED,
+        "normal": (0.0, 0.0, 0.0),
     }
     values |= changed
     clearance = values["clearance"]

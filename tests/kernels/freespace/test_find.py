@@ -41,6 +41,16 @@ def test_a_route_runs_from_origin_to_goal_evenly_and_clear() -> None:
     assert 2.0 < steps.sum() < 2.4
 
 
+def test_a_route_stays_in_the_plane_that_it_is_asked_to_stay_in() -> None:
+    normal = np.array([0.6, 0.8, 0.0])
+    found = find(BALL, query(normal=normal))
+    assert np.abs(found.routes[0] @ normal).max() < 1e-12
+    assert BALL.distance(found.routes[0]).min() > 0.1
+    across = sn.Scene([sn.Cylinder((-4.0, 3.0, 1.0), (4.0, -3.0, 1.0), 0.2)])  # in the plane there is no way past it
+    assert find(across, query(normal=normal)).ended == CLOSED
+    assert find(across, query()).ended == FOUND
+
+
 def test_alternatives_pass_an_obstacle_on_different_sides() -> None:
     found = find(BALL, query(), most=4)
     assert len(found.routes) == 4

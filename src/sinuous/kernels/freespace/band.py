@@ -8,7 +8,7 @@ import math
 from sinuous.kernels.clock import spend
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
-from sinuous.kernels.freespace.grid import SearchGrid
+from sinuous.kernels.freespace.grid import SearchGrid, onto_plane
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
 SWEEPS = 24
@@ -86,7 +86,7 @@ def tighten(scene: Scene, grid: SearchGrid, route: Array, scratch: Array, clock:
                 if d < wanted:
                     _, g = obstacle(scene, which, p, d)
                     p = add_scaled(p, min(most, wanted - d), g)
-            put_vec(route, i, 0, p)
+            put_vec(route, i, 0, onto_plane(grid, p))
         if sweep % RESPACED == RESPACED - 1:
             respace(route, count, spare, count)
             for i in range(count):

@@ -5,7 +5,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
 from sinuous.kernels.freespace.cells import EVALUATED, NONE, Memory, carve, clear, restart
-from sinuous.kernels.freespace.grid import SearchGrid
+from sinuous.kernels.freespace.grid import SearchGrid, onto_plane
 from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore, penalize
 from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid
 from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
@@ -45,6 +45,8 @@ def _trace(memory: Memory, grid: SearchGrid, met: int, query: Query) -> int:
     put_vec(points, 0, 0, query.origin)
     put_vec(points, 1, 0, grid.start)
     count = max(2, at - 1)
+    for i in range(2, count):
+        put_vec(points, i, 0, onto_plane(grid, get_vec(points, i, 0)))
     put_vec(points, count, 0, grid.goal)
     return count + 1
 

@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.fields.distances import Scene, closest
 from sinuous.kernels.freespace.keys import key_of, numbers_of
-from sinuous.kernels.maths.vectors import Vec, add_scaled, norm, sub
+from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, norm, sub
 
 HALF_DIAGONAL = 0.5 * math.sqrt(3.0)
 """Of a cell, in units of its edge."""
@@ -16,7 +16,7 @@ FINEST_STEP = 0.1
 SearchGrid = namedtuple(
     "SearchGrid",
     "origin cell levels clearance ample radius free_margin reach start start_radius goal goal_radius inflation "
-    "clearance_weight longest mode",
+    "clearance_weight longest mode normal",
 )
 """What one search is about; lengths in the length unit.
 
@@ -27,7 +27,7 @@ run from within `start_radius` of `start` to within `goal_radius` of `goal`. Fro
 `reach`, from `start` to `goal` none than `longest`. The search is a weighted A*: with `inflation` 1 the cheapest route
 is found; with more, one that costs at most so many times as much, after fewer cells. `clearance_weight` says how much
 dearer narrow places are. Distances are asked for in a mode of `solids`; a proof asks for upper bounds: what can be
-passed must not be taken for a wall."""
+passed must not be taken for a wall. Routes stay in the plane with this `normal` through `origin` (zero: anywhere)."""
 
 
 def middle(grid: SearchGrid, key: int) -> Vec:
@@ -43,6 +43,11 @@ def corners(grid: SearchGrid, key: int) -> tuple[Vec, Vec]:
     level, _, _, _ = numbers_of(key)
     p, r = middle(grid, key), 0.5 * grid.cell * (1 << level)
     return (p[0] - r, p[1] - r, p[2] - r), (p[0] + r, p[1] + r, p[2] + r)
+
+
+def onto_plane(grid: SearchGrid, p: Vec) -> Vec:
+    """The place nearest to the point `p` in the plane that routes stay in, if they do."""
+    return add_scaled(p, -dot(sub(p, grid.origin), grid.normal), grid.normal)
 
 
 def cell_at(grid: SearchGrid, p: Vec) -> int:

@@ -14,7 +14,7 @@ from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, EVALUATED, NONE, U
 from sinuous.kernels.freespace.cut_cells import beyond, cut_by, side_of
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, middle
 from sinuous.kernels.freespace.keys import child_of, numbers_of, octant_of, parent_of
-from sinuous.kernels.maths.vectors import norm, sub
+from sinuous.kernels.maths.vectors import dot, norm, sub
 
 ROUND = 64.0
 """Cells that lie partly out of reach are divided where they are larger than the reach divided by this."""
@@ -32,8 +32,11 @@ def passable(grid: SearchGrid, scene: Scene, key: int) -> tuple[float, int]:
     p, h = middle(grid, key), grid.cell
     edge = h * (1 << level)
     spread = HALF_DIAGONAL * (edge - h)  # farthest middle of a finest cell in it
+    n, from_origin = grid.normal, sub(p, grid.origin)
+    if 2.0 * abs(dot(from_origin, n)) > edge * (abs(n[0]) + abs(n[1]) + abs(n[2])):  # the plane does not meet it
+        return BLOCKED, NONE
     # A route of bounded length from one place to another stays within an ellipsoid about both.
-    far = norm(sub(p, grid.origin)) + max(0.0, norm(sub(p, grid.goal)) - grid.goal_radius)
+    far = norm(from_origin) + max(0.0, norm(sub(p, grid.goal)) - grid.goal_radius)
     far -= grid.reach + 2.0 * HALF_DIAGONAL * h
     if far > 2.0 * spread:
         return BLOCKED, NONE

@@ -10,7 +10,7 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.fields.distances import Scene, most_roundoff
 from sinuous.kernels.fields.solids import INTERPOLATED, UPPER_BOUND
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid
-from sinuous.kernels.maths.vectors import Array, Vec, add_scaled
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled
 
 INFLATION = 2.0
 """See `grid.Grid`: among obstacles a route costs more than its length, and to find the cheapest one is far dearer."""
@@ -26,7 +26,8 @@ CELL_LEVELS = 7
 
 Query = namedtuple(
     "Query",
-    "origin axis goal goal_radius goal_slack radius longest free_length cell clearance free_margin most_cells prove",
+    "origin axis goal normal goal_radius goal_slack radius longest free_length cell clearance free_margin most_cells "
+    "prove",
 )
 """The numbers of a query by their names, see `sinuous.kernels.tables`."""
 
@@ -36,11 +37,12 @@ def _vector(query: Array, at: int) -> Vec:
 
 
 def read_query(query: Array) -> Query:
-    """Take a query (23,) apart."""
+    """Take a query (26,) apart."""
     return Query(
         _vector(query, t.QUERY_ORIGIN),
         _vector(query, t.QUERY_AXIS),
         _vector(query, t.QUERY_GOAL),
+        _vector(query, t.QUERY_NORMAL),
         query[t.QUERY_GOAL_RADIUS],
         query[t.QUERY_GOAL_SLACK],
         query[t.QUERY_RADIUS],
@@ -75,6 +77,7 @@ def route_grid(query: Query) -> SearchGrid:
         CLEARANCE_WEIGHT,
         query.longest - query.free_length + query.goal_radius + query.cell,
         INTERPOLATED,
+        query.normal,
     )
 
 
@@ -98,4 +101,5 @@ def proof_grid(query: Query, scene: Scene) -> SearchGrid:
         0.0,
         math.inf,
         UPPER_BOUND,
+        ZERO,
     )

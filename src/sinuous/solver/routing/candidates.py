@@ -17,6 +17,7 @@ from sinuous.kernels.tables import (
     QUERY_FREE_LENGTH,
     QUERY_GOAL,
     QUERY_GOAL_RADIUS,
+    QUERY_NORMAL,
     QUERY_RADIUS,
     QUERY_SHORTEST,
     ROUTE,
@@ -85,7 +86,7 @@ class RouteCandidates:
     ----------
     searches : Searches
     question : IKQuery
-    query : ndarray (23,)
+    query : ndarray (26,)
         What routes have to keep.
     without : collection of str
         Attempts that are switched off.
@@ -127,14 +128,15 @@ class RouteCandidates:
 
     def route_around_edges(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) around edges; `None` where none is found."""
-        return None if EDGES in self._without else self.searches.by_edges(self._problem, query, self._deadline())
+        off = EDGES in self._without or query[QUERY_NORMAL : QUERY_NORMAL + 3].any()
+        return None if off else self.searches.by_edges(self._problem, query, self._deadline())
 
     def route_through_side_tubes(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) through tubes that open beside edges; `None` where none is found.
 
         Where the base lies in a closed tube, that one leads on.
         """
-        off = SIDE_TUBES in self._without or self.enclosed
+        off = SIDE_TUBES in self._without or self.enclosed or query[QUERY_NORMAL : QUERY_NORMAL + 3].any()
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
     def search_cells(self, plan: SearchPlan) -> FoundRoutes:
@@ -312,7 +314,7 @@ class RouteCandidates:
         return np.stack(legs)
 
     def _leg(self, query: Floats) -> Floats | None:
-        """Return the route (K, 3) of one leg (23,), around edges or over cells; `None` where none is found.
+        """Return the route (K, 3) of one leg (26,), around edges or over cells; `None` where none is found.
 
         Over cells the first that is clear; where none is, the last.
         """

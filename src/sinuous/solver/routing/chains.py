@@ -42,6 +42,7 @@ from sinuous.solver.routing.partial_chains import (
     FLIP,
     Groups,
     GrownChains,
+    common_plane,
     fit_first_segments,
     join_chains,
     problem_before,
@@ -266,7 +267,7 @@ def find_terminal_poses(groups: Groups, route: Floats) -> Floats:
     tangent = None if len(tips) != 1 or tips[0, t.HAS_POSITION] == 0.0 else _arrival(tips[0], tool, route)
     if tangent is None:
         return np.empty((0, t.POSE_WIDTH))
-    ends = _end_rotations(tips[0], tool, tangent)
+    ends = _end_rotations(groups[0], tips[0], tangent)
     places = tips[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] - ends @ tool[t.POSE_POSITION :]
     ahead, radius = ends[:, :, 2], ball_radius(segments_in(robot))
     order = [0]
@@ -303,14 +304,22 @@ def _arrival(target: Floats, tool: Floats, route: Floats) -> Floats | None:
     return None if length == 0.0 else tangent / length
 
 
-def _end_rotations(target: Floats, tool: Floats, tangent: Floats) -> Floats:
-    """Rotations (m, 3, 3) of the end of the backbone at a target; what that leaves open is tried."""
-    held, aside = tool[: t.POSE_POSITION].reshape(3, 3), bool(tool[t.POSE_POSITION : t.POSE_POSITION + 2].any())
+def _end_rotations(robot: Floats, target: Floats, tangent: Floats) -> Floats:
+    """Rotations (m, 3, 3) of the end of the backbone of a robot (a group) at a target; what that leaves open is tried.
+
+    A body that lies in a plane ends in it.
+    """
+    parts = robot_parts(robot)
+    held, plane = parts.tool[: t.POSE_POSITION].reshape(3, 3), common_plane(parts.segments)
+    aside = bool(parts.tool[t.POSE_POSITION : t.POSE_POSITION + 2].any())
     if target[t.ORIENTATION] == t.ROTATION:
         return (target[t.GOAL : t.GOAL + 9].reshape(3, 3) @ held.T)[None]
-    if target[t.ORIENTATION] == t.DIRECTION:
+    direction = target[t.GOAL : t.GOAL + 3] if target[t.ORIENTATION] == t.DIRECTION else None
+    if plane is not None:
+        return _rotations_in_plane(parts.base[: t.POSE_POSITION].reshape(3, 3), plane, held, direction, tangent)
+    if direction is not None:
         rolls = np.arange(ROLLS) / ROLLS if aside or held[2, 2] < 1.0 else np.zeros(1)
-        ahead = least_rotation(target[t.GOAL : t.GOAL + 3])
+        ahead = least_rotation(direction)
         return np.stack([ahead @ _spin(roll) @ held.T for roll in rolls])
     count = 2 * DIRECTIONS if aside else DIRECTIONS
     number = np.arange(count - 1) + 0.5
@@ -319,6 +328,23 @@ def _end_rotations(target: Floats, tool: Floats, tangent: Floats) -> Floats:
     around = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
     turned = [least_rotation(ahead) for ahead in np.vstack([tangent, around])]
     return np.stack([each @ _spin(GOLDEN * i) for i, each in enumerate(turned)] if aside else turned)
+
+
+def _rotations_in_plane(base: Floats, plane: Floats, held: Floats, direction: Floats | None, tangent: Floats) -> Floats:
+    """Rotations (m, 3, 3) of the end of a body that bends in a plane (2,) of its base: one where a direction is asked.
+
+    `held` (3, 3) is the rotation of the tool. The first is that which is nearest to the direction, or to the tangent.
+    """
+    own = np.array([[plane[0], -plane[1], 0.0], [plane[1], plane[0], 0.0], [0.0, 0.0, 1.0]])
+    wanted, points = (tangent, np.eye(3)) if direction is None else (direction, held)
+    local, tip = own.T @ base.T @ wanted, own.T @ points[:, 2]
+    first = math.atan2(local[0], local[2]) - math.atan2(tip[0], tip[2])
+    count = DIRECTIONS if direction is None else 1
+    turns = first + 2.0 * math.pi * np.arange(count) / count
+    bent = np.zeros((count, 3, 3))
+    bent[:, 0, 0] = bent[:, 2, 2] = np.cos(turns)
+    bent[:, 0, 2], bent[:, 1, 1], bent[:, 2, 0] = np.sin(turns), 1.0, -np.sin(turns)
+    return np.asarray(base @ own @ bent @ own.T)
 
 
 def _spin(turns: float) -> Floats:

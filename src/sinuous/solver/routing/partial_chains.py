@@ -45,6 +45,7 @@ from sinuous.kernels.tables import (
     QUERY_FREE_LENGTH,
     QUERY_GOAL,
     QUERY_LONGEST,
+    QUERY_NORMAL,
     QUERY_ORIGIN,
     QUERY_SHORTEST,
     QUERY_WIDTH,
@@ -61,14 +62,34 @@ Groups = tuple[Floats, Floats, Floats, Floats]
 FLIP = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
 
+PARALLEL = 1e-9
+"""Bend across a plane up to which segments count as bending in it, rad."""
 
-def _to_all_sides(rows: Floats) -> Floats:
-    """Rows (n, 35) of segments that bend to all sides instead of in one plane.
 
-    How that plane would lie the other way round depends on how the tip is turned. A chain that is turned back is
-    brought into its plane where the solve of the whole robot begins.
+def common_plane(segments: Floats) -> Floats | None:
+    """Return the direction (2,) in which all segments (n, 35) bend, or against it; `None` where they differ.
+
+    Then the body lies in one plane, and how its end is turned about the tangent is known.
     """
-    result = rows.copy()
+    bends, planar = segments[:, t.BEND_SCALE] > 0.0, segments[:, t.IN_PLANE] > 0.0
+    if not bends.any() or not planar[bends].all() or segments[:, t.RIGID].any():
+        return None
+    plane = segments[bends.argmax(), t.PLANE : t.PLANE + 2]
+    rests, planes = segments[:, t.REST : t.REST + 2], segments[:, t.PLANE : t.PLANE + 2]
+    ends = np.vstack([rests + segments[:, [which]] * planes for which in (t.LOW_BEND, t.HIGH_BEND)])
+    return plane if np.abs(ends @ np.array([-plane[1], plane[0]])).max() < PARALLEL else None
+
+
+def _turned_round(rows: Floats) -> Floats:
+    """Rows (n, 35) of segments as they bend the other way round.
+
+    Segments that bend in several planes bend to all sides: how these planes lie depends on how the tip is turned. A
+    chain that is turned back is brought into its planes where the solve of the whole robot begins.
+    """
+    result = rows[::-1].copy()
+    if common_plane(rows) is not None:
+        result[:, [t.PLANE + 1, t.REST + 1]] *= -1.0
+        return result
     planar = result[:, t.IN_PLANE] > 0.0
     result[planar, t.BEND_SCALE] = np.where(result[planar, t.MAX_BEND] > 0.0, 1.0, 0.0)
     result[:, t.IN_PLANE] = 0.0
@@ -86,9 +107,8 @@ def reverse_problem(groups: Groups, terminal_pose: Floats) -> Groups:
     n, parts = int(robot[0]), robot_parts(robot)
     at_tip = np.isin(targets[:, t.TARGET_SEGMENT], (-1.0, n - 1.0))
     tip, intermediate = targets[at_tip][0], targets[~at_tip]
-    base, segments = parts.base, parts.segments[::-1]
+    base, segments = parts.base, _turned_round(parts.segments)
     against = base[: t.POSE_POSITION].reshape(3, 3) @ FLIP
-    segments = _to_all_sides(segments)
     other = parts._replace(segments=segments, actuators=NO_ACTUATORS, base=terminal_pose, tool=NO_TOOL).group()
     row = np.zeros((1, t.TARGET_WIDTH))
     row[0, t.TARGET_SEGMENT], row[0, t.HAS_POSITION] = -1.0, 1.0
@@ -341,16 +361,26 @@ def segments_of(groups: Groups) -> list[int]:
 
 
 def query_of(groups: Groups) -> Floats | None:
-    """Return what a route to the most distal target has to keep (23,); `None`: no target has a position.
+    """Return what a route to the most distal target has to keep (26,); `None`: no target has a position.
 
     See `sinuous.kernels.tables`.
     """
-    query = np.zeros(QUERY_WIDTH)
+    query = _empty_query(groups[0])
     return query if route_query(*groups, query) else None
 
 
+def _empty_query(robot: Floats) -> Floats:
+    """A query (26,) that keeps nothing but the plane that a robot, of which the group is given, lies in."""
+    query, parts = np.zeros(QUERY_WIDTH), robot_parts(robot)
+    plane = common_plane(parts.segments)
+    if plane is not None:
+        axes = parts.base[: t.POSE_POSITION].reshape(3, 3)
+        query[QUERY_NORMAL : QUERY_NORMAL + 3] = axes[:, 1] * plane[0] - axes[:, 0] * plane[1]
+    return query
+
+
 def leg_queries(groups: Groups) -> list[Floats]:
-    """What routes have to keep from target to target (l, 23): none where one target has a position, or none has.
+    """What routes have to keep from target to target (l, 26): none where one target has a position, or none has.
 
     Each leg begins where the one before it ends. See `sinuous.kernels.tables`.
     """
@@ -358,7 +388,7 @@ def leg_queries(groups: Groups) -> list[Floats]:
     order = list(_in_order(groups).values())
     queries = []
     for target in order if len(order) > 1 else ():
-        query = np.zeros(QUERY_WIDTH)
+        query = _empty_query(robot)
         route_query(robot, scene, settings, targets[target : target + 1].copy(), query)
         queries.append(query)
     for last, query in zip(queries[-2::-1], queries[:0:-1], strict=True):

@@ -20,7 +20,7 @@ from sinuous.problem.target import Target
 from sinuous.scene.scene import Scene
 from sinuous.solver.solver import Solver
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest
+from sinuous.statics.rest import Rest, kept_rests
 
 PLACES = 8
 """Places of every segment that are drawn to the curve; under load they are shared among its arcs."""
@@ -212,13 +212,7 @@ class _LoadedChains(_Chains):
 
     def __init__(self, robot: Robot) -> None:
         super().__init__(robot)
-        self._rests: dict[bytes, Rest] = {}
-
-    def _rest(self, q: Floats) -> Rest:
-        key = q.tobytes()
-        if key not in self._rests:
-            self._rests[key] = Rest(self.robot, q.copy())
-        return self._rests[key]
+        self._rest = kept_rests(robot)
 
     def residual(self, curve: Curve, depths: Floats, q: Floats) -> tuple[Floats, Floats]:
         """As without load; infinite where no body is at rest."""

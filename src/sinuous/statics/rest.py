@@ -1,7 +1,7 @@
 """A body at rest under load, as searches and proofs read it: quickly found from one beside it, without the noun."""
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,6 +139,12 @@ class Rest:
         pose[:3, :3], pose[:3, 3] = row[:9].reshape(3, 3), row[9:]
         pose = pose @ rolled(float(self.rolls[end]))
         return pose @ self.robot.tool if at_tip else pose
+
+
+def kept_rests(robot: Robot, most: int | None = None) -> Callable[[Floats], Rest]:
+    """Return what finds the body at rest at a drive (n, 3); those at the last drives, so many at most, are kept."""
+    rest = lru_cache(most)(lambda numbers: Rest(robot, np.frombuffer(numbers).reshape(-1, 3).copy()))
+    return lambda q: rest(q.tobytes())
 
 
 def lines_that_follow(robot: Robot, q: Floats) -> Floats:

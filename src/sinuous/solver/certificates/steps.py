@@ -4,7 +4,6 @@ Of a robot under load it is the drive that is linear: what is proved are pieces 
 """
 
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -50,7 +49,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.between import Leave, bounded, leave, stretches_between
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, Way, stretches_allowed
+from sinuous.statics.rest import Rest, Way, kept_rests, stretches_allowed
 
 
 class Drifts:
@@ -191,6 +190,8 @@ class LoadedShapes:
 
     Attributes
     ----------
+    at : callable
+        The loaded body at a drive (n, 3), the same that `Robot.shape` gives.
     owners : ndarray of int (N,)
         The segment of every arc, 0 = first.
     bounded : bool
@@ -198,21 +199,11 @@ class LoadedShapes:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._robot, self._kept = robot, OrderedDict[bytes, Rest]()
+        self.at = kept_rests(robot, KEPT)
         self.owners, self.bounded = body_of(robot).owners, bounded(robot)
         allowed = stretches_allowed(robot)
         slack = LIMIT_ROUNDING * robot.mean_length
         self._allowed = allowed + np.array([-slack, slack]) if np.isfinite(allowed).any() else None
-
-    def at(self, q: Floats) -> Rest:
-        """The loaded body at a drive (n, 3), the same that `Robot.shape` gives."""
-        key = q.tobytes()
-        found = self._kept.get(key)
-        if found is None:
-            found = self._kept[key] = Rest(self._robot, q.copy())
-            if len(self._kept) > KEPT:
-                self._kept.popitem(last=False)
-        return found
 
     def keeps_tensions(self, one: Rest, other: Rest, left: Leave) -> bool:
         """Whether tensions stay within their limits on the way between two shapes, which the body leaves by so much."""

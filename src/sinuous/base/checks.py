@@ -114,13 +114,13 @@ def integer(key: str, value: Any, low: int, high: int) -> int:
     return int(value)
 
 
-def one_each(key: str, value: Any, count: int | None, what: str) -> float | tuple[float, ...]:
-    """Check a number of at least 0, or one for each of `count` things (None: of any); returns it, or all of them."""
+def one_each(key: str, value: Any, count: int | None) -> float | tuple[float, ...]:
+    """Check a number of at least 0, or one for each of `count` segments (None: of any); returns it, or all of them."""
     if isinstance(value, numbers.Real) or not np.iterable(value) or isinstance(value, (str, bytes, dict)):
         return number(key, value, low=0.0)
     listed = list(value)
     if count is not None and len(listed) != count:
-        raise InputError(key, "", listed, f"a number, or {count} numbers, one for each {what}")
+        raise InputError(key, "", listed, f"a number, or {count} numbers, one for each segment")
     return tuple(number(f"{key}[{i}]", each, low=0.0) for i, each in enumerate(listed))
 
 
@@ -365,7 +365,7 @@ def any_segment(value: Any) -> Any:
 def each_segment(key: str, value: Any, names: Sequence[str]) -> float | tuple[float, ...]:
     """Check a number of at least 0 for all segments, or one for each, or some by the names of segments."""
     if not isinstance(value, Mapping):
-        return one_each(key, value, len(names), "segment")
+        return one_each(key, value, len(names))
     result = [0.0] * len(names)
     for name, each in value.items():
         result[segment_number(key, name, names) - 1] = number(f"{key}.{name}", each, low=0.0)

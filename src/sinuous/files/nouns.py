@@ -129,7 +129,8 @@ def read_robot(value: Any, folder: Path = Path()) -> Robot:
 
     Names of files are relative to `folder`.
     """
-    entries = known_entries(value, keys_of(Robot)[0], ["segments"] if not _has(value, "joints") else [])
+    needed = [] if isinstance(value, dict) and value.get("joints") is not None else ["segments"]
+    entries = known_entries(value, keys_of(Robot)[0], needed)
     shared = {key: entries.pop(key) for key in SHARED if entries.get(key) is not None}
     checks.number("radius", shared.setdefault("radius", 0.0), low=0.0)
     with checks.inside("segments"):
@@ -144,11 +145,6 @@ def read_robot(value: Any, folder: Path = Path()) -> Robot:
         "uncertainty": partial(make, Uncertainty),
     }
     return make(Robot, entries, parts)
-
-
-def _has(value: Any, key: str) -> bool:
-    """Whether a mapping says something under a key."""
-    return isinstance(value, dict) and value.get(key) is not None
 
 
 def _read_joints(value: Any, folder: Path) -> list[Joint]:

@@ -300,7 +300,7 @@ class Tendons(Lines):
         super().__init__(count, radius, angle, angles=angles, names=names, **motors)
         _refuse_both("displacement", displacement, limits)
         self._set(straight=checks.truth("straight", straight))
-        self._set(displacement=_limits_about_zero("displacement", displacement))
+        self._set(displacement=_about_zero(displacement))
         for upright, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
             if not low <= 0.0 <= high:
                 wanted = f"[low, high] with low <= {upright:g} <= high"
@@ -398,12 +398,12 @@ def _refuse_both(key: str, own: Limits | None, limits: Limits | None) -> None:
         raise InputError("limits", f"cannot be combined with {key}", limits, f"one of {key}, limits")
 
 
-def _limits_about_zero(key: str, value: Limits | None) -> tuple[float, float]:
+def _about_zero(value: Limits | None) -> tuple[float, float]:
     if value is None:
         return UNLIMITED
-    pair = checks.interval(key, value)
+    pair = checks.interval("displacement", value)
     if not pair[0] <= 0.0 <= pair[1]:
-        raise InputError(key, "excludes the straight robot", value, "[low, high] with low <= 0 <= high")
+        raise InputError("displacement", "excludes the straight robot", value, "[low, high] with low <= 0 <= high")
     return pair
 
 

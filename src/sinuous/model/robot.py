@@ -85,7 +85,7 @@ class Uncertainty(Frozen):
     level: float
 
     def __init__(self, bound: OneEach, level: Number = 0.95) -> None:
-        self._set(bound=checks.one_each("bound", bound, None, "segment"))
+        self._set(bound=checks.one_each("bound", bound, None))
         self._set(level=checks.number("level", level, above=0.0, high=1.0))
 
     @property

@@ -174,4 +174,4 @@ def _each(key: str, value: OneEach | None) -> OneEach | None:
     """Check what is demanded of every segment; how many there are, and their names, says the robot."""
     if isinstance(value, Mapping):
         return {str(name): checks.number(f"{key}.{name}", each, low=0.0) for name, each in value.items()}
-    return None if value is None else checks.one_each(key, value, None, "segment")
+    return None if value is None else checks.one_each(key, value, None)

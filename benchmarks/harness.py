@@ -162,14 +162,9 @@ class Line:
     @property
     def verdict(self) -> str:
         """One word for the table."""
-        if self.goal is None or self.held is None:
+        if self.goal is None:
             return ""
-        return "held" if self.held else ("WRONG" if self.correctness else "missed")
-
-    @property
-    def correctness(self) -> bool:
-        """Whether the goal is one of correctness."""
-        return self.goal is not None and self.goal.correctness
+        return "held" if self.held else ("WRONG" if self.goal.correctness else "missed")
 
 
 def counted(
@@ -620,7 +615,7 @@ def conduct(experiment: Experiment, folder: Path | None = None, record: Path | N
         sys.stdout.write(text)
         sys.stdout.flush()
         _say(f"results are in {folder}")
-    return INTERRUPTED if interrupted else int(any(line.correctness and not line.held for line in lines))
+    return INTERRUPTED if interrupted else int(any(line.verdict == "WRONG" for line in lines))
 
 
 def _tracked(what: str, pieces: Sequence[Piece]) -> Iterator[Piece]:

@@ -200,7 +200,7 @@ def clutter(seed: int, count: int) -> ProblemSet:
     obstacles = [_random_obstacle(robot, rng) for _ in range(rng.integers(2, 25))]
     if rng.random() < 0.5:
         room = unit * rng.uniform(0.9, 2.0, 3)
-        obstacles.append(sn.Box(base + 0.1 * unit * in_ball(rng), room, _rotation(rng), inside=True))
+        obstacles.append(sn.Box(base + 0.1 * unit * in_ball(rng), room, rng.normal(size=4), inside=True))
     scene = sn.Scene(obstacles)
     drawn = random_configurations(robot, 2 * count, rng)
     hit = overlaps(robot, scene, drawn)
@@ -222,8 +222,8 @@ def _random_robot(rng: Generator) -> sn.Robot:
     alike = rng.random() < 0.5
     segments = [_random_segment(length, rng)] * count if alike else [_random_segment(length, rng) for _ in range(count)]
     mount = rng.uniform(0.0, 0.5) * length if rng.random() < 0.2 else 0.0
-    tool = sn.pose(0.3 * length * in_ball(rng), rotation=_rotation(rng)) if rng.random() < 0.2 else None
-    return sn.Robot(segments, mount=mount, base=sn.pose(rng.normal(size=3), rotation=_rotation(rng)), tool=tool)
+    tool = sn.pose(0.3 * length * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.2 else None
+    return sn.Robot(segments, mount=mount, base=sn.pose(rng.normal(size=3), rotation=rng.normal(size=4)), tool=tool)
 
 
 def _random_segment(length: float, rng: Generator) -> sn.Segment:
@@ -251,16 +251,10 @@ def _draw_obstacle(unit: float, base: Floats, rng: Generator) -> Obstacle:
     if kind == "sphere":
         return sn.Sphere(center, radius)
     if kind == "box":
-        return sn.Box(center, unit * rng.uniform(0.04, 0.4, 3), _rotation(rng))
+        return sn.Box(center, unit * rng.uniform(0.04, 0.4, 3), rng.normal(size=4))
     if kind == "capsule":
         return sn.Capsule(center, other, 0.5 * radius)
     if kind == "cylinder":
         return sn.Cylinder(center, other, 0.5 * radius)
     normal = in_ball(rng)
     return sn.HalfSpace(base - unit * rng.uniform(0.1, 0.8) * normal / np.linalg.norm(normal), normal)
-
-
-def _rotation(rng: Generator) -> Floats:
-    """Draw a unit quaternion, evenly."""
-    quaternion: Floats = rng.normal(size=4)
-    return quaternion

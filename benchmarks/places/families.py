@@ -21,7 +21,6 @@ from benchmarks.judges.kinematics import link_poses, tip_poses
 from benchmarks.places import cells, media, tubes
 from benchmarks.places.parts import (
     SLENDER,
-    Faces,
     arc,
     cuboid,
     joined,
@@ -158,11 +157,8 @@ def _lattice(count: int) -> Floats:
 
 def _thinned(points: Floats, cell: float) -> Floats:
     """Keep one point of every cubic cell."""
-    numbers: Faces = np.floor(points / cell).astype(np.int64)
-    numbers -= numbers.min(axis=0)
-    sizes = numbers.max(axis=0) + 1
-    key = (numbers[:, 0] * sizes[1] + numbers[:, 1]) * sizes[2] + numbers[:, 2]
-    return points[np.unique(key, return_index=True)[1]]
+    numbers = np.floor(points / cell).astype(np.int64)
+    return points[np.unique(numbers, axis=0, return_index=True)[1]]
 
 
 GAP = 0.01

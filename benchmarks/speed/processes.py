@@ -10,12 +10,11 @@ import tempfile
 import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from itertools import cycle, islice
 from pathlib import Path
-from time import perf_counter
-from typing import NamedTuple
 
-from benchmarks.harness import Goal, Line, Plan, Times
+from benchmarks.harness import Goal, Line, Plan, Times, timed
 from benchmarks.problems import ProblemSet, among_spheres, arm
 from sinuous.solver.solver import Solver
 
@@ -60,44 +59,32 @@ def measure_startup(plan: Plan) -> Iterator[Line]:
 
 def _line(what: str, code: str, repeats: int, goal: Goal) -> Line:
     runs = [_run(code, dict(os.environ)) for _ in range(repeats + 1)][1:]  # the first one warms the disk
-    broken = next((run.complaint for run in runs if run.complaint), "")
-    times = Times.of([run.seconds for run in runs])
-    return Line(FRESH, what, float("inf") if broken else times.median, "s", goal, times, note=broken)
+    times = Times.of([seconds for seconds, _ in runs])
+    return Line(FRESH, what, times.median, "s", goal, times)
 
 
-class _Run(NamedTuple):
-    """A process: how long it took, what it said on standard error, and its last words if it failed."""
-
-    seconds: float
-    said: str
-    complaint: str
-
-
-def _run(code: str, environment: dict[str, str]) -> _Run:
-    began = perf_counter()
-    command = [sys.executable, "-c", code]
-    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, cwd=ROOT)
-    seconds = perf_counter() - began
-    return _Run(seconds, run.stderr, "" if run.returncode == 0 else (run.stderr.split("\n")[-2:-1] or ["failed"])[0])
+def _run(code: str, environment: dict[str, str]) -> tuple[float, str]:
+    """Return how long a process takes, s, and what it says on standard error; one that fails ends the measurement."""
+    run = partial(subprocess.run, env=environment, capture_output=True, text=True, check=True, cwd=ROOT)
+    done, seconds = timed(run, [sys.executable, "-c", code])
+    return seconds, done.stderr
 
 
 def _first(what: str, code: str) -> Line:
-    run = _run_from_nothing(code, "auto")
-    note = run.complaint or "nothing was said of compiling" * ("compiled" not in run.said)
-    return Line(FRESH, what, float("inf") if note else run.seconds, "s", Goal(10.0), note=note)
+    seconds, said = _run_from_nothing(code, "auto")
+    note = "nothing was said of compiling" * ("compiled" not in said)
+    return Line(FRESH, what, float("inf") if note else seconds, "s", Goal(10.0), note=note)
 
 
-def _run_from_nothing(code: str, mode: str) -> _Run:
+def _run_from_nothing(code: str, mode: str) -> tuple[float, str]:
     with tempfile.TemporaryDirectory() as folder:
         return _run(code, {**os.environ, "SINUOUS_KERNELS": mode, "SINUOUS_CACHE": folder})
 
 
 def _later(what: str, code: str, repeats: int) -> Line:
-    runs = [[_run_from_nothing(code, mode) for mode in ("auto", "interpreted")] for _ in range(repeats)]
-    first, alone = (min(run.seconds for run in each) for each in zip(*runs, strict=True))
-    complaint = next((run.complaint for pair in runs for run in pair if run.complaint), "")
-    note = complaint or f"{first:.1f} s against {alone:.1f} s"
-    return Line(LATER, what, float("inf") if complaint else first / alone, "times", Goal(1.3), note=note)
+    runs = [[_run_from_nothing(code, mode)[0] for mode in ("auto", "interpreted")] for _ in range(repeats)]
+    first, alone = (min(each) for each in zip(*runs, strict=True))
+    return Line(LATER, what, first / alone, "times", Goal(1.3), note=f"{first:.1f} s against {alone:.1f} s")
 
 
 @contextmanager

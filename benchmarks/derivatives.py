@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import islice
 from time import thread_time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -33,10 +33,21 @@ EXACT = 1e-12
 """Tolerances of answers and of their differences: mean lengths of the robot, rad."""
 
 
-def solver_for(robot: sn.Robot, scene: list[Obstacle]) -> sn.Solver:
+Question = tuple[sn.Problem, Floats]
+"""What is asked, and the configuration (n, 3) to begin from."""
+
+
+def solver_for(problem: sn.Problem) -> sn.Solver:
     """Return a solver that meets targets to rounding."""
+    robot, scene = problem.robot, list(problem.scene.obstacles)
     tolerance = sn.Tolerance(EXACT * robot.mean_length, EXACT)
     return sn.Solver(robot, scene, tolerance=tolerance, routes=False, max_starts=8)
+
+
+def answer(asked: Question) -> sn.Solution:
+    """Solve from where it is said to begin."""
+    problem, q = asked
+    return solver_for(problem).solve(list(problem.targets), q)
 
 
 def unit(rng: Generator, across: Floats | None = None) -> Floats:
@@ -97,7 +108,7 @@ def targets_at(robot: sn.Robot, q: Floats, rng: Generator) -> list[sn.Target]:
 
 def solved_near(robot: sn.Robot, q: Floats, rng: Generator) -> sn.Solution:
     """Solve, from a configuration, for targets that it meets."""
-    return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
+    return answer((sn.Problem(robot, targets_at(robot, q, rng)), q))
 
 
 def free(rng: Generator) -> sn.Solution:
@@ -175,7 +186,7 @@ OBSTACLES: dict[str, Place] = {
 }
 
 
-def touching(kind: str, rng: Generator, beside: float = 0.0) -> tuple[sn.Problem, Floats]:
+def touching(kind: str, rng: Generator, beside: float = 0.0) -> Question:
     """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more.
 
     Returns a problem, and the configuration (n, 3) that answers it.
@@ -193,19 +204,14 @@ def touching(kind: str, rng: Generator, beside: float = 0.0) -> tuple[sn.Problem
     return sn.Problem(robot, targets_at(robot, q, rng), [obstacle]), q
 
 
-def _answer(asked: tuple[sn.Problem, Floats]) -> sn.Solution:
-    problem, q = asked
-    return solver_for(problem.robot, list(problem.scene.obstacles)).solve(list(problem.targets), q)
-
-
 def beside_obstacles(rng: Generator) -> sn.Solution:
     """The body is near obstacles of any kind, and touches none."""
-    return _answer(touching(str(rng.choice(list(OBSTACLES))), rng, beside=float(10.0 ** rng.uniform(-4.0, -1.0))))
+    return answer(touching(str(rng.choice(list(OBSTACLES))), rng, beside=float(10.0 ** rng.uniform(-4.0, -1.0))))
 
 
 def at_obstacles(rng: Generator) -> sn.Solution:
     """The body touches an obstacle of any kind, unless the solve moves it away from there."""
-    return _answer(touching(str(rng.choice(list(OBSTACLES))), rng))
+    return answer(touching(str(rng.choice(list(OBSTACLES))), rng))
 
 
 def curled(rng: Generator) -> sn.Solution:
@@ -277,15 +283,6 @@ Tangent = dict[Parameter, Floats]
 SHARES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)
 """How far parameters move: rad, and mean lengths of the robot. The step that agrees best counts: a large one leaves the
 neighbourhood in which the answer is smooth, a small one drowns in rounding."""
-
-
-class Question(NamedTuple):
-    """A robot, targets and obstacles, and where to begin."""
-
-    robot: sn.Robot
-    targets: list[sn.Target]
-    scene: list[Obstacle]
-    initial: Floats
 
 
 def random_tangent(found: sn.Solution, rng: Generator) -> Tangent:
@@ -391,14 +388,13 @@ def question(found: sn.Solution, way: Tangent, h: float) -> Question:
         q[fixed, 2] += h * way["lengths"][fixed]
     if "initial" in way:
         q += h * way["initial"].reshape(-1, 3)
-    return Question(changed, _targets(found, way, h), scene, q)
+    return sn.Problem(changed, _targets(found, way, h), scene, found.problem.tolerance), q
 
 
 def again(found: sn.Solution, way: Tangent, h: float) -> Floats | None:
     """Solve what was asked after the parameters have moved; nothing where that is impossible or fails."""
     try:
-        asked = question(found, way, h)
-        again = solver_for(asked.robot, asked.scene).solve(asked.targets, asked.initial)
+        again = answer(question(found, way, h))
     except sn.InputError:
         return None
     return again.q if again.solved else None
@@ -409,9 +405,8 @@ def minimum_again(found: sn.Solution, way: Tangent, h: float) -> Floats | None:
     wish, near = found._wish(), found.derivative().configuration
     if wish is None or wish.reference is None:
         return None
-    asked = question(found, way, h)
-    begin, reference = near + asked.initial - found.q, wish.reference + asked.initial - found.q
-    problem = sn.Problem(asked.robot, asked.targets, asked.scene, found.problem.tolerance)
+    problem, initial = question(found, way, h)
+    begin, reference = near + initial - found.q, wish.reference + initial - found.q
     moved = derivative_of(problem, begin, "target", True, wish._replace(reference=reference))
     return moved.configuration if moved.regular else None
 
@@ -544,8 +539,7 @@ def _clearances(rng: Generator) -> Iterator[float | None]:
 
 
 def _gap_at(found: sn.Solution, way: Tangent, h: float, motion: Floats) -> float:
-    asked = question(found, way, h)
-    return float(least_gaps(sn.Problem(asked.robot, asked.targets, asked.scene), (found.q + h * motion)[None])[0])
+    return float(least_gaps(question(found, way, h)[0], (found.q + h * motion)[None])[0])
 
 
 def _preferred(rng: Generator) -> Iterator[float | None]:
@@ -587,7 +581,7 @@ def _some(family: str, rng: Generator) -> Iterator[sn.Solution]:
     if first is None:
         return
     yield first
-    solver = solver_for(first.problem.robot, list(first.problem.scene.obstacles))
+    solver = solver_for(first.problem)
     for _ in range(BESIDE):
         q = first.q + AWAY * rng.normal(size=first.q.shape) * first.problem.robot.limits[:, [5, 5, 6]]
         if first.problem.robot.excess(q) > 0.0:

@@ -96,7 +96,7 @@ def asked_of(found: sn.Solution, tangent: Floats) -> Floats:
     """How the residual of the targets has to change, by differences of it."""
     h, ends = 1e-6, []
     for sign in (1.0, -1.0):
-        asked = question(found, {"target": tangent}, sign * h)
+        asked, _ = question(found, {"target": tangent}, sign * h)
         ends.append(residual_of(sn.Problem(asked.robot, asked.targets), found.q).value)
     change: Floats = (ends[0] - ends[1]) / (2.0 * h)
     return change
@@ -149,7 +149,7 @@ def test_limits_that_move_push_the_answer() -> None:
         moves = np.linalg.norm(gradients * scales_of(robot.limits).ravel(), axis=1) > 0.0
         active = (left < 1e-6 * robot.mean_length) & moves
         for sign in (1.0, -1.0):
-            asked = question(found, way, sign * h)
+            asked, _ = question(found, way, sign * h)
             ends.append((residual_of(sn.Problem(asked.robot, asked.targets), q).value, slacks(asked.robot, q)[0]))
         wanted, shrinks = ((a - b) / (2.0 * h) for a, b in zip(*ends, strict=True))
         motion = found.derivative(names).jvp(way).ravel()
@@ -229,9 +229,9 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
             continue
         h, gaps = 1e-5, []
         for sign in (1.0, -1.0):
-            asked = question(found, way, sign * h)
+            asked, _ = question(found, way, sign * h)
             q = found.q + sign * h * derivative.jvp(way)
-            gaps.append(least_gaps(sn.Problem(asked.robot, asked.targets, asked.scene), q[None])[0])
+            gaps.append(least_gaps(asked, q[None])[0])
         assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
         compared += 1
     assert compared > 5
@@ -250,7 +250,7 @@ def test_tip_and_actuators_follow() -> None:
         derivative, way = found.derivative(ALL), random_tangent(found, rng)
         h, poses, values = 1e-6, [], []
         for sign in (1.0, -1.0):
-            asked = question(found, way, sign * h)
+            asked, _ = question(found, way, sign * h)
             q = again(found, way, sign * h)
             assert q is not None
             poses.append(asked.robot.tip(q))

@@ -50,7 +50,7 @@ def differences(found: sn.Solution, prefer: sn.Preferences, start: Floats, way: 
     fixed = scales_of(found.problem.robot.limits).ravel()[2::3] == 0.0
     ends = []
     for h in (STEP, -STEP, 0.5 * STEP, -0.5 * STEP):
-        asked = question(found, way, h)
+        asked, _ = question(found, way, h)
         near, reference = derivative.configuration.copy(), start + h * way["initial"].reshape(-1, 3)
         near[fixed, 2] += h * way["lengths"][fixed]
         reference[fixed, 2] = near[fixed, 2]

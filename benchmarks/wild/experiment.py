@@ -31,9 +31,6 @@ CLEARANCE, SELF_CLEARANCE = "clearance overstated", "self-clearance overstated"
 
 EXCEPTION = "exception"
 
-QUICK = 0.3
-"""Seconds within which most should be solved."""
-
 MANY, UNIT = 100_000, "of 100,000"
 """What counts are relative to."""
 
@@ -128,10 +125,9 @@ def lines_of(section: str, what: str, most: float, shares: Sequence[Sequence[tup
     """Sum up worlds: how many problems are not solved in time, at most so many of `MANY`, and false claims."""
     trials = [each for share in shares for each in share]
     count, times = len(trials), Times.of([trial.seconds for _, trial in trials])
-    for limit, goal in ((LIMIT, Goal(most)), (QUICK, None)):
-        names = [f"{name} {one.status}" for name, one in trials if not one.good(limit)]
-        told, solved = f"{what}, not solved and found right by the judges within {limit:g} s", count - len(names)
-        yield Line(section, told, MANY * len(names) / count, UNIT, goal, times, (solved, count), named(names))
+    names = [f"{name} {one.status}" for name, one in trials if not one.good(LIMIT)]
+    told, solved = f"{what}, not solved and found right by the judges within {LIMIT:g} s", count - len(names)
+    yield Line(section, told, MANY * len(names) / count, UNIT, Goal(most), times, (solved, count), named(names))
     false = [f"{name} {trial.wrong}" for name, trial in trials if trial.wrong]
     yield Line(section, f"{what}, false claims", len(false), "", Goal(0, correctness=True), note=named(false))
 

@@ -18,9 +18,10 @@ import numpy as np
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
 from benchmarks.judges.judge import right, wrong_at
-from benchmarks.judges.kinematics import arc_ends, arc_poses, link_poses, moving, tip_poses
+from benchmarks.judges.kinematics import arc_ends, arc_poses, link_poses, moving
 from benchmarks.mbm import panda
 from benchmarks.motion.leader import Led, lines_of
+from benchmarks.problems import tip_targets
 from benchmarks.wild.worlds import draw_jointed
 from sinuous.model.joints import Joint, Prismatic, Revolute
 
@@ -102,8 +103,7 @@ def measure(plan: Plan, family: Family) -> Iterator[Line]:
             if wrong_at(robot, scene, q[None]):
                 continue  # nobody knows then whether the pose can be reached
         asked += 1
-        pose = tip_poses(robot, q[None])[0]
-        target = sn.Target(pose[:3, 3], rotation=pose[:3, :3])
+        (target,) = tip_targets(robot, q[None], "rotation")
         solver = sn.Solver(robot, scene, tolerance=TOLERANCE)
         runs = [solver.solve(target) for _ in range(RUNS)]
         found = runs[0].configuration[None]

@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 import sinuous as sn
 from benchmarks.harness import Alone, Record, Times, give, in_processes, table
 from benchmarks.judges.judge import right, wrong_in
-from benchmarks.judges.kinematics import tip_poses
+from benchmarks.problems import tip_targets
 from benchmarks.ways import measured
 from sinuous.base import checks
 from sinuous.base.checks import Floats
@@ -89,8 +89,7 @@ def panda() -> sn.Robot:
 
 def continuum(problem: Problem) -> Asked:
     """Put an arm of six segments at the place of the Panda; its tip is asked where the flange is, and points along."""
-    poses = (tip_poses(panda(), at[None])[0] for at in _ends(problem))
-    start, goal = (sn.Target(pose[:3, 3], direction=pose[:3, 2]) for pose in poses)
+    start, goal = tip_targets(panda(), np.array(_ends(problem)))
     return Asked(arm(), sn.Scene([obstacle(each) for each in problem["obstacles"]]), start, goal)
 
 

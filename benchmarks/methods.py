@@ -20,7 +20,6 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, number
 from benchmarks.judges.judge import Flags, right
-from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems import (
     FREE_BEND,
     PAPER_POSES,
@@ -30,12 +29,11 @@ from benchmarks.problems import (
     ProblemSet,
     among_spheres,
     arm,
-    direction_targets,
     path_through,
     random_configurations,
+    tip_targets,
 )
 from sinuous.answer.verification import Verification, verify
-from sinuous.base.checks import Floats
 from sinuous.files.nouns import read_robot
 from sinuous.methods.learned import Learned, Network, train
 from sinuous.methods.method import METHODS, capabilities, name_of
@@ -358,7 +356,7 @@ def segments(plan: Plan) -> Experiment:
 def _poses(plan: Plan, size: int) -> ProblemSet:
     drawn = arm(size, TOTAL_BEND / size)
     q = random_configurations(drawn, plan.count(POSES, 4), plan.rng(41, size))
-    return ProblemSet(arm(size, FREE_BEND), direction_targets(drawn, q), sn.Scene(), PAPER_TOLERANCE)
+    return ProblemSet(arm(size, FREE_BEND), tip_targets(drawn, q), sn.Scene(), PAPER_TOLERANCE)
 
 
 def _growth(sizes: Sequence[int], shares: Sequence[Mapping[str, Any]]) -> Iterator[Line]:
@@ -396,26 +394,21 @@ Draw = Callable[[int, Generator], ProblemSet]
 
 
 def _free(
-    robot: sn.Robot,
-    drawn: sn.Robot | None = None,
-    tolerance: sn.Tolerance = PAPER_TOLERANCE,
-    asked: Callable[[Floats], sn.Target] = lambda tip: sn.Target(tip[:3, 3], direction=tip[:3, 2]),
+    robot: sn.Robot, drawn: sn.Robot | None = None, tolerance: sn.Tolerance = PAPER_TOLERANCE, asked: str = "direction"
 ) -> Draw:
     """What tips of random shapes of a robot, or of another, reach; by default their positions and directions."""
 
     def draw(count: int, rng: Generator) -> ProblemSet:
         own = drawn or robot
-        tips = tip_poses(own, random_configurations(own, count, rng))
-        return ProblemSet(robot, [asked(tip) for tip in tips], sn.Scene(), tolerance.for_robot(robot))
+        targets = tip_targets(own, random_configurations(own, count, rng), asked)
+        return ProblemSet(robot, targets, sn.Scene(), tolerance.for_robot(robot))
 
     return draw
 
 
-def _among(robot: sn.Robot, spheres: int, position_alone: bool = False) -> Draw:
+def _among(robot: sn.Robot, spheres: int, asked: str = "direction") -> Draw:
     def draw(count: int, rng: Generator) -> ProblemSet:
-        made = among_spheres(robot, spheres, count, rng).with_tolerance(PAPER_TOLERANCE)
-        targets = [sn.Target(each.position) for each in made.targets] if position_alone else made.targets
-        return ProblemSet(made.robot, targets, made.scene, made.tolerance)
+        return among_spheres(robot, spheres, count, rng, asked).with_tolerance(PAPER_TOLERANCE)
 
     return draw
 
@@ -426,18 +419,15 @@ FAMILIES: dict[str, tuple[str, Draw]] = {
     "gentle": ("Gentle poses: drawn with bends to 1.2, no limit on bends", _free(arm(5, FREE_BEND), arm(5, 1.2))),
     "direction": (f"Position and direction, bends to {BEND}", _free(ARM)),
     "exact": ("Position and direction, to 1e-4 of the length and 1e-3 rad", _free(ARM, tolerance=sn.Tolerance())),
-    "position": ("Position alone", _free(ARM, asked=lambda tip: sn.Target(tip[:3, 3]))),
-    "rotation": (
-        "Position and whole rotation",
-        _free(ARM, asked=lambda tip: sn.Target(tip[:3, 3], rotation=tip[:3, :3])),
-    ),
+    "position": ("Position alone", _free(ARM, asked="position")),
+    "rotation": ("Position and whole rotation", _free(ARM, asked="rotation")),
     "fixed lengths": (
         "Position and direction, lengths fixed at 57.5 mm",
         _free(sn.Robot.uniform(5, 57.5, BEND, base=ARM.base)),
     ),
     "20 segments": ("Position and direction, 20 segments, bends to 1.2", _free(arm(20, 1.2))),
     "spheres, direction": (f"Position and direction among {SPHERES} spheres, 4 mm thick", _among(THICK, SPHERES)),
-    "spheres, position": (f"Position alone among {SPHERES} spheres, 4 mm thick", _among(THICK, SPHERES, True)),
+    "spheres, position": (f"Position alone among {SPHERES} spheres, 4 mm thick", _among(THICK, SPHERES, "position")),
     "spheres, thicket": (
         f"Position and direction, 8 segments with bends to 1.5, 8 mm thick, among {3 * SPHERES} spheres",
         _among(arm(8, 1.5, radius=8.0), 3 * SPHERES),

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -62,18 +61,28 @@ def random_configurations(robot: sn.Robot, count: int, rng: Generator) -> Floats
     return np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
 
 
-def direction_targets(robot: sn.Robot, q: Floats) -> list[sn.Target]:
-    """Return where the tips of configurations are and point to."""
-    return [sn.Target(tip[:3, 3], direction=tip[:3, 2]) for tip in tip_poses(robot, q)]
+def target_at(tip: Floats, kind: str = "direction") -> sn.Target:
+    """Return the target that a pose (4, 4) of the tip meets.
+
+    Of its `position`, with its `direction` or its whole `rotation`; or, where the kind ends with `alone`, of these.
+    """
+    direction = tip[:3, 2] if kind.startswith("direction") else None
+    rotation = tip[:3, :3] if kind.startswith("rotation") else None
+    return sn.Target(None if kind.endswith("alone") else tip[:3, 3], direction=direction, rotation=rotation)
+
+
+def tip_targets(robot: sn.Robot, q: Floats, kind: str = "direction") -> list[sn.Target]:
+    """Return the targets that the tips of configurations meet, see `target_at`."""
+    return [target_at(tip, kind) for tip in tip_poses(robot, q)]
 
 
 def reachable(robot: sn.Robot, count: int, rng: Generator) -> ProblemSet:
     """Random positions and directions without obstacles, at the default tolerance."""
-    targets = direction_targets(robot, random_configurations(robot, count, rng))
+    targets = tip_targets(robot, random_configurations(robot, count, rng))
     return ProblemSet(robot, targets, sn.Scene(), sn.Tolerance().for_robot(robot))
 
 
-def among_spheres(robot: sn.Robot, spheres: int, count: int, rng: Generator) -> ProblemSet:
+def among_spheres(robot: sn.Robot, spheres: int, count: int, rng: Generator, asked: str = "direction") -> ProblemSet:
     """Return targets of collision-free configurations among spheres.
 
     Radii are 0.03 to 0.08 of the robot's mean length, centers even over the ball of 0.8 of it about the base; a ball
@@ -87,7 +96,7 @@ def among_spheres(robot: sn.Robot, spheres: int, count: int, rng: Generator) -> 
             found.append(sn.Sphere(robot.base[:3, 3] + center, radius))
     scene = sn.Scene(found)
     q = free_configurations(robot, scene, count, rng)
-    return ProblemSet(robot, direction_targets(robot, q), scene, sn.Tolerance().for_robot(robot))
+    return ProblemSet(robot, tip_targets(robot, q, asked), scene, sn.Tolerance().for_robot(robot))
 
 
 def free_configurations(robot: sn.Robot, scene: sn.Scene, count: int, rng: Generator) -> Floats:
@@ -184,8 +193,7 @@ def full_poses(seed: int, count: int) -> ProblemSet:
     """
     robot = sn.Robot.uniform(3, 1.0, math.pi)
     q = published_configurations(robot, count, np.random.default_rng(seed))
-    targets = [sn.Target(tip[:3, 3], rotation=tip[:3, :3]) for tip in tip_poses(robot, q)]
-    return ProblemSet(robot, targets, sn.Scene(), sn.Tolerance(0.7e-6, 0.7e-6))
+    return ProblemSet(robot, tip_targets(robot, q, "rotation"), sn.Scene(), sn.Tolerance(0.7e-6, 0.7e-6))
 
 
 def clutter(seed: int, count: int) -> ProblemSet:
@@ -206,14 +214,9 @@ def clutter(seed: int, count: int) -> ProblemSet:
     hit = overlaps(robot, scene, drawn)
     free = drawn[~hit]
     q = np.concatenate([free[: count // 2], drawn[hit], free[count // 2 :]])[:count]
-    targets = [_random_target(tip, rng) for tip in tip_poses(robot, q)]
+    kinds = "position", "direction", "rotation"
+    targets = [target_at(tip, str(rng.choice(kinds))) for tip in tip_poses(robot, q)]
     return ProblemSet(robot, targets, scene, sn.Tolerance().for_robot(robot))
-
-
-def _random_target(tip: Floats, rng: Generator) -> sn.Target:
-    """Ask for the position of a tip, and for nothing more, its direction, or its rotation."""
-    asked: dict[str, Any] = rng.choice(np.array([{}, {"direction": tip[:3, 2]}, {"rotation": tip[:3, :3]}]))
-    return sn.Target(tip[:3, 3], **asked)
 
 
 def _random_robot(rng: Generator) -> sn.Robot:

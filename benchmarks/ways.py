@@ -18,10 +18,10 @@ import sinuous as sn
 from benchmarks.harness import Alone, Record, chosen, give, in_processes, table, timed
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.judge import wrong_in
-from benchmarks.judges.kinematics import tip_poses
 from benchmarks.motion.known import straight
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import feasible, right
+from benchmarks.problems import tip_targets
 from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import ROUTE, SOURCES
@@ -140,9 +140,8 @@ def targets_about(place: Place, count: int, rng: np.random.Generator) -> Iterato
         step = np.exp(rng.uniform(np.log(SHORTEST), np.log(LONGEST)))
         q = shapes[rng.integers(len(shapes))] + step * scale * rng.standard_normal(place.hidden_q.shape)
         q[:, 2] = np.clip(q[:, 2], lengths[:, 0], lengths[:, 1])
-        tip = tip_poses(place.robot, q[None])[0]
-        direction = None if place.target.direction is None else tip[:3, 2]
-        other = replace(place, targets=(sn.Target(tip[:3, 3], direction=direction),), hidden_q=q)
+        targets = tip_targets(place.robot, q[None], "position" if place.target.direction is None else "direction")
+        other = replace(place, targets=tuple(targets), hidden_q=q)
         if feasible(other):
             shapes.append(q)
             yield other

@@ -20,7 +20,7 @@ from benchmarks.harness import Goal, Line, Plan, Times, Trial, counted, in_proce
 from benchmarks.judges import self_collision
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import wrong_in
-from benchmarks.problems import random_configurations
+from benchmarks.problems import random_configurations, target_at
 from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import VERDICT
@@ -96,8 +96,7 @@ class Pair(NamedTuple):
     @property
     def target(self) -> sn.Target:
         """The pose of the tip at the goal."""
-        tip = self.robot.tip(self.goal)
-        return sn.Target(tip[:3, 3], rotation=tip[:3, :3])
+        return target_at(self.robot.tip(self.goal), "rotation")
 
 
 class Task(NamedTuple):

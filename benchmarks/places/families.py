@@ -33,7 +33,7 @@ from benchmarks.places.parts import (
     various_robot,
 )
 from benchmarks.places.place import ROOM, Draw, Place, Sketch, Trap, settle, trapped
-from benchmarks.problems import published_configurations
+from benchmarks.problems import published_configurations, target_at
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint
 from sinuous.model.robot import Robot
@@ -95,8 +95,8 @@ def _draw(family: str, seed: int, robot: sn.Robot, scene: sn.Scene, whole: bool)
         if least_clearance(robot, scene, q[None], 0.0)[0] > 0.0:
             break
     tip = tip_poses(robot, q[None])[0]
-    asked = {"rotation": tip[:3, :3]} if whole else {"direction": tip[:3, 2]}
-    return Place(family, seed, robot, scene, (sn.Target(tip[:3, 3], **asked),), TOLERANCE, q)
+    target = target_at(tip, "rotation" if whole else "direction")
+    return Place(family, seed, robot, scene, (target,), TOLERANCE, q)
 
 
 THICKNESS = 0.15

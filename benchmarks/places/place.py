@@ -12,6 +12,7 @@ import sinuous as sn
 from benchmarks.judges import judge, self_collision
 from benchmarks.judges.clearances import GRACE, overlaps, prepared
 from benchmarks.judges.kinematics import segment_ends, tip_poses
+from benchmarks.problems import target_at
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
 
@@ -109,8 +110,7 @@ def place_of(family: str, seed: int, sketch: Sketch) -> Place:
     """Ask for what the hidden shape reaches."""
     robot, q = sketch.robot, sketch.q
     tip = tip_poses(robot, q[None])[0]
-    direction = tip[:3, 2] if (seed + seed // 20) % 2 else None
-    targets = [sn.Target(tip[:3, 3], direction=direction)]
+    targets = [target_at(tip, "direction" if (seed + seed // 20) % 2 else "position")]
     if sketch.intermediate is not None:
         targets.insert(
             0, sn.Target(segment_ends(robot, q[None])[0, sketch.intermediate, :3, 3], segment=sketch.intermediate)

@@ -33,7 +33,7 @@ from benchmarks.judges.kinematics import (
 )
 from benchmarks.judges.self_collision import Flags, look, surely_clear
 from benchmarks.places.parts import Surface, cuboid, joined
-from benchmarks.problems import in_ball
+from benchmarks.problems import in_ball, target_at
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
@@ -432,13 +432,6 @@ def asked(robot: sn.Robot, q: Floats, rng: Generator, kind: str | None = None) -
         more = [sn.Target(ends[segment][:3, 3], segment=segment)] if segment else []
         questions.append([target_at(ends[-1] @ robot.tool, kind), *more])
     return questions
-
-
-def target_at(tip: Floats, kind: str) -> sn.Target:
-    """Return the target that a pose (4, 4) of the tip meets, of one of the `KINDS`."""
-    direction = tip[:3, 2] if kind.startswith("direction") else None
-    rotation = tip[:3, :3] if kind.startswith("rotation") else None
-    return sn.Target(None if kind.endswith("alone") else tip[:3, 3], direction=direction, rotation=rotation)
 
 
 def standing(robot: sn.Robot, drives: Floats) -> Flags:

@@ -318,14 +318,7 @@ class Plan:
         return np.random.default_rng([self.seed, *stream])
 
 
-class Measured(NamedTuple):
-    """What a share came to, and what share of the processor other processes had before or after, 0 to 1."""
-
-    values: Any
-    busy: float
-
-
-Piece = tuple[str, Callable[[], Measured]]
+Piece = tuple[str, Callable[[], Any]]
 """A name, and what to call: some seconds of work, which an interrupt may cost."""
 
 
@@ -385,14 +378,13 @@ class Experiment:
     def pieces(self) -> Iterator[Piece]:
         """All shares of all parts."""
         for name, part in self.parts.items():
-            for piece, share in zip(_names(name, part), part.shares, strict=True):
-                yield piece, partial(_measured, share)
+            yield from zip(_names(name, part), part.shares, strict=True)
 
-    def lines(self, pieces: Mapping[str, Measured]) -> list[Line]:
+    def lines(self, pieces: Mapping[str, Any]) -> list[Line]:
         """Sum up all parts of which something was measured, from the results of pieces by their names."""
         lines: list[Line] = []
         for name, part in self.parts.items():
-            there = [pieces[piece].values for piece in _names(name, part) if piece in pieces]
+            there = [pieces[piece] for piece in _names(name, part) if piece in pieces]
             lines += part.summed(there) if there else []
         return lines
 
@@ -420,12 +412,6 @@ def _listed(measure: Part, plan: Plan) -> list[Line]:
 
 def _names(name: str, part: Divided) -> list[str]:
     return [name, *(f"{name}, share {share}" for share in range(1, len(part.shares)))]
-
-
-def _measured(share: Callable[[], Any]) -> Measured:
-    before = busy()
-    values = share()
-    return Measured(values, max(before, busy()))
 
 
 Item = TypeVar("Item")
@@ -531,8 +517,10 @@ class Journal:
 
     Attributes
     ----------
-    pieces : dict of str to Measured
-        By the names of pieces.
+    pieces : dict
+        What shares came to, by the names of pieces.
+    busy : float
+        Largest share of the processor that other processes had before or after one of these, 0 to 1.
 
     Raises
     ------
@@ -545,15 +533,16 @@ class Journal:
             raise InputError("--out", "is a file", str(folder), "a folder")
         self._folder = folder / hashlib.sha256(json.dumps(settings).encode()).hexdigest()[:12]
         self._folder.mkdir(parents=True, exist_ok=True)
-        files = self._folder.glob("*.piece")
-        self.pieces: dict[str, Measured] = dict(pickle.loads(file.read_bytes()) for file in files)
+        kept = [pickle.loads(file.read_bytes()) for file in self._folder.glob("*.piece")]
+        self.pieces: dict[str, Any] = {piece: values for piece, values, _ in kept}
+        self.busy: float = max((busy for *_, busy in kept), default=0.0)
 
-    def add(self, piece: str, measured: Measured) -> None:
+    def add(self, piece: str, values: Any, busy: float) -> None:
         """Keep what was measured, on disk before this returns."""
         new = self._folder / f"{len(self.pieces)}.new"
-        new.write_bytes(pickle.dumps((piece, measured)))
+        new.write_bytes(pickle.dumps((piece, values, busy)))
         new.replace(new.with_suffix(".piece"))  # whole, whatever stops the computer
-        self.pieces[piece] = measured
+        self.pieces[piece], self.busy = values, max(self.busy, busy)
 
 
 def require() -> None:
@@ -600,7 +589,8 @@ def conduct(experiment: Experiment, folder: Path | None = None, record: Path | N
         if not lacking:
             _say("all of this was measured before; another --out measures it again")
         for name, measure in _tracked(experiment.name, lacking):
-            journal.add(name, measure())
+            before = busy()
+            journal.add(name, measure(), max(before, busy()))
         interrupted = False
     except KeyboardInterrupt:
         done = sum(name in journal.pieces for name, _ in work)
@@ -653,10 +643,9 @@ def report(
     parts = ["\n".join(f"- {key}: {value}" for key, value in shown.items() if value != "not installed")]
     if plan.quick:
         parts.append("A quick run: counts are cut down, figures mean little.")
-    most = max((measured.busy for measured in journal.pieces.values()), default=0.0)
-    if most > BUSY:
+    if journal.busy > BUSY:
         parts.append(
-            f"BUSY: other processes had up to {100.0 * most:.0f} % of the processor while this was measured; "
+            f"BUSY: other processes had up to {100.0 * journal.busy:.0f} % of the processor while this was measured; "
             "times mean little."
         )
     parts += tables_of(lines)

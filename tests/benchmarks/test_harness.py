@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.harness import INTERRUPTED, Experiment, Goal, Journal, Line, Measured, Plan, conduct
+from benchmarks.harness import INTERRUPTED, Experiment, Goal, Journal, Line, Plan, conduct
 
 
 def steps(plan: Plan, *ends: float | BaseException) -> Experiment:
@@ -57,11 +57,11 @@ def test_a_wrong_claim_is_an_exit_code(tmp_path: Path) -> None:
 
 
 def test_what_was_being_written_when_a_run_was_killed_is_no_piece(tmp_path: Path) -> None:
-    Journal(tmp_path, {"seed": 3}).add("a", Measured(math.inf, 0.0))
+    Journal(tmp_path, {"seed": 3}).add("a", math.inf, 0.0)
     (folder,) = tmp_path.iterdir()
     (folder / "1.new").write_bytes(b"\x80")
     again = Journal(tmp_path, {"seed": 3})
-    assert again.pieces == {"a": Measured(math.inf, 0.0)}
-    again.add("c", Measured(3, 0.0))
+    assert again.pieces == {"a": math.inf}
+    again.add("c", 3, 0.0)
     assert Journal(tmp_path, {"seed": 3}).pieces == again.pieces
     assert not Journal(tmp_path, {"seed": 4}).pieces

@@ -1,9 +1,13 @@
 """Following a path."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import sinuous as sn
+from sinuous.motion.knots import TipLine
 from tests.helpers import with_each
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
@@ -32,6 +36,26 @@ def test_every_waypoint_is_solved_and_verifies() -> None:
 PLATE = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))
 ACROSS = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
 """A thin plate between two waypoints, each of which is clear of it."""
+
+
+def test_between_poses_the_tip_stays_on_the_line_and_turns_evenly() -> None:
+    q = np.array(ROBOT.straight)
+    q[:, :2] = [[0.3, 0.1], [-0.2, 0.2], [0.4, -0.1], [0.1, 0.3]]
+    here = ROBOT.tip(q)
+    place, aside, turn = here[:3, 3], np.array([0.2, -0.1, 0.1]), Rotation.from_rotvec([0.2, 0.3, -0.4]).as_matrix()
+    goals = [(place, here[:3, :3]), (place + aside, turn @ here[:3, :3]), (place + aside, here[:3, :3])]
+    targets = [sn.Target(at, rotation=rotation) for at, rotation in goals]
+    motion = sn.track(ROBOT, targets, start=q)
+    assert motion.solved
+    ends = [knot for knot in motion.waypoint_knots if knot is not None]
+    for (begin, first), (end, last) in pairwise(zip(targets, ends, strict=True)):
+        line = TipLine(begin, end)
+        times = np.interp(np.linspace(first, last, 50), np.arange(len(motion.times)), motion.times)
+        poses = ROBOT.tip(motion.at(times))
+        shares = line.shares_of(poses)
+        assert line.turned(poses, shares) < 5e-3
+        on_line = np.array([line.at(float(share)).position for share in shares])
+        assert np.linalg.norm(poses[:, :3, 3] - on_line, axis=1).max() < 5e-3
 
 
 def test_where_an_obstacle_is_in_the_way_the_robot_goes_around() -> None:

@@ -92,6 +92,21 @@ def test_the_loaded_body_stays_clear_and_slides_along() -> None:
     assert robot.shape(q).tip[1, 3] - shape.tip[1, 3] > 0.01, "it stuck"
 
 
+def test_out_of_a_contact_it_goes_unproved_and_never_deeper() -> None:
+    robot = arm()
+    ball = sn.Sphere(robot.shape(Q).tip[:3, 3] + np.array([0.012, 0.0, 0.0]), 0.01)
+    solver, depth = sn.Solver(robot, [ball], time=PATIENCE), sn.check(robot, Q, [ball]).clearance
+    assert depth < 0.0
+    for asked in ([0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]):
+        step = solver.step(Q, asked, DT)
+        assert (step.status, step.proved) == ("touching", False)
+        assert sn.check(robot, step.q, [ball]).clearance > depth
+    onward = solver.step(step.q, [-0.1, 0.0, 0.0], DT)
+    assert onward.proved
+    assert onward.clearance is not None
+    assert onward.clearance > 0.0
+
+
 def test_what_was_measured_corrects_the_loaded_model() -> None:
     robot, real = arm(), arm(mass=0.06)
     place = robot.shape(Q + 0.1 * np.array([1.0, 1.0, 0.0])).tip[:3, 3]

@@ -15,7 +15,7 @@ from sinuous.kernels.certificate.query import VERDICT
 from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.planners import PlanSearch
-from sinuous.motion.planning.retraction import ENOUGH, KINDS, LONGEST, Retraction, slid_back
+from sinuous.motion.planning.retraction import ENOUGH, KINDS, LONGEST, Retraction, sliding
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.tree import Chain
 from tests.helpers import Floats
@@ -57,7 +57,7 @@ def test_sliding_back_is_the_least_that_the_ends_are_off() -> None:
     def off(q: Floats) -> float:
         return float(np.linalg.norm(weights[:, None] * (ROBOT.forward(q)[-n:, :3, 3] - asked)))
 
-    back = slid_back(ROBOT, INSIDE, by, weights, np.zeros((n, 3)))
+    back = INSIDE + by * sliding(ROBOT, INSIDE, weights, np.zeros((n, 3)))
     rng = np.random.default_rng(0)
     bends = rng.normal(size=(200, n, 3)) * [1.0, 1.0, 0.0]
     assert off(back) < 0.5 * off(INSIDE)

@@ -74,6 +74,11 @@ class ContactRetractionTrees:
                 return met
         return None
 
+    def random_branch(self, side: int) -> Chain:
+        """Return the configurations from a root of a tree to a node that is drawn at random."""
+        tree = self._trees[side]
+        return tree.chain(int(self._rng.integers(len(tree))))
+
     def _room(self) -> float:
         """The room of the next steps, in radii: little mostly, none or more of it now and then."""
         return (CLEARANCES[1], CLEARANCES[1], CLEARANCES[0], 0.0)[self._draws // 2 % 4]

@@ -16,7 +16,7 @@ from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.path_pacing import pace_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
-from sinuous.motion.planning.retraction import FIRST, KINDS, Retraction
+from sinuous.motion.planning.retraction import KINDS, Retraction
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.timed_tree import grow_timed_tree
 from sinuous.motion.planning.tree import Chain
@@ -42,23 +42,17 @@ FIRST_GOALS = 2
 """Goals that are drawn back a little."""
 
 FIRST_STEPS = 16
-"""By how many steps, as long as none has to be shorter than the first."""
+"""By how many steps, as long as the first way to draw them back leads on."""
 
-DRAWS = 256
+DRAWS = 128
 """Draws of trees in the first turn; in each turn they are planted anew, with twice as many."""
 
 MOST_DRAWS = 2**20
 """Most draws in one turn."""
 
-TURNS_OF_START = (2, 4)
-"""Turns in which the start is drawn back, each time beginning with another kind of retraction; in others, a goal."""
-
-RETRACTED_DRAWS = 24
-"""Draws of the contact-retraction trees in a turn that has drawn back an end: a retraction of another kind often leads
-to where it takes few of them. In the first turn they have none: straight trees are sooner where they get there."""
-
-MOST_RETRACTED_DRAWS = 192
-"""The same in turns that have drawn back none."""
+RETRACTED_DRAWS = 8
+"""Draws of the contact-retraction trees in a turn: where a retraction is stuck, one from nearby often is not. In the
+first turn they have none: straight trees are sooner where they get there."""
 
 ROOTS = 12
 """Knots of one retraction that trees grow from."""
@@ -122,6 +116,7 @@ class PlanSearch:
         self._goals = np.empty((0, *query.start.shape))
         self._outs: list[Chain] = []
         self._ins: list[Chain] = []
+        self._begun: dict[tuple[bytes, int], Retraction] = {}
 
     @cached_property
     def _local(self) -> LocalPlanner:
@@ -171,31 +166,37 @@ class PlanSearch:
         """
         query, path = self._query, None
         for goal in self._goals[FIRST_GOALS - 1 :: -1] if query.robot.segments else ():
-            made = Retraction(self._local, goal, 0, query.start)
-            made.run(FIRST_STEPS, FIRST)
+            made = self._retraction(goal, 0, query.start)
+            made.run(FIRST_STEPS, ways=1)
             path = path or self._join([query.start], [made.knots], query.seed, FIRST_DRAWS)
         return path
 
     def _draw_back(self, turn: int) -> None:
-        """Draw back a goal, or the start."""
-        start, goals = self._query.start, self._query.goals(self._trees.reached)
-        if turn in TURNS_OF_START:
-            self._outs.append(self._drawn_back(start, goals[0], len(self._outs)))
-            return
-        number, kinds = len(self._ins), len(KINDS)
-        if number < kinds * len(goals):
-            self._ins.append(self._drawn_back(goals[number // kinds], start, number % kinds))
+        """Draw back a goal or, in every other turn, the start.
 
-    def _drawn_back(self, end: Floats, other: Floats, kind: int) -> Chain:
-        made = Retraction(self._local, end, kind, other)
+        Each end by each kind; then what contact-retraction trees have reached from there.
+        """
+        start, goals = self._query.start, self._query.goals(self._trees.reached)
+        side = turn % 2 if turn > 0 else 1
+        ends, chains = ([start], goals)[side], (self._outs, self._ins)[side]
+        number, kind = divmod(len(chains), len(KINDS))
+        chain = [ends[number]] if number < len(ends) else self._retracted.random_branch(side)
+        made = self._retraction(chain[-1], kind, (goals[0], start)[side])
         made.run()
-        return made.knots
+        chains.append([*chain[:-1], *made.knots])
+
+    def _retraction(self, end: Floats, kind: int, other: Floats) -> Retraction:
+        """Return the retraction of an end: the one that has begun, where there is one."""
+        key = end.tobytes(), kind
+        if key not in self._begun:
+            self._begun[key] = Retraction(self._local, end, kind, other)
+        return self._begun[key]
 
     def _grow(self, turn: int) -> ProvedPath | None:
         """Let straight trees grow from the start, or the end of one of its retractions, to knots of the goals'."""
         query, out = self._query, [self._query.start]
         if self._outs and turn % 2 == 0:
-            out = self._outs[turn // 2 % len(self._outs)]
+            out = self._outs[-1]
         ins = [*self._ins, *([q] for q in query.goals(query.start[None]))]
         return self._join(out, ins, (query.seed + turn) % 2**31, min(DRAWS << turn, MOST_DRAWS))
 
@@ -211,10 +212,9 @@ class PlanSearch:
 
     def _grow_retracted(self, turn: int) -> ProvedPath | None:
         """Let contact-retraction trees grow from the start and its retractions, and from the goals'."""
-        new = turn == len(self._outs) + len(self._ins) - 1
         self._retracted.plant(0, [[self._query.start], *self._outs])
         self._retracted.plant(1, self._ins)
-        found = self._retracted.grow(0 if turn == 0 else RETRACTED_DRAWS if new else MOST_RETRACTED_DRAWS)
+        found = self._retracted.grow(0 if turn == 0 else RETRACTED_DRAWS)
         return None if found is None else self._shortened(found)
 
     def _some(self, knots: Chain, out: Floats) -> Chain:

@@ -12,7 +12,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.progress import work_time
 from sinuous.model.rates import Rates, Spread
 from sinuous.model.robot import Robot
-from sinuous.motion.configurations import distances
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.timing import largest
 from sinuous.problem.target import Target
 from sinuous.scene.snapshot import Snapshot
@@ -26,7 +26,7 @@ MOST_GOALS = 64
 """Goals of one plan; no more are looked for after that."""
 
 APART = 0.02
-"""Two configurations nearer to each other than this, in robot lengths, count as one goal; see `distances`."""
+"""Two configurations nearer to each other than this, in robot lengths, count as one goal; see `lever_metric`."""
 
 ROUNDING = 1e-9
 """Share by which a step may be quicker than rates allow: rounding."""
@@ -125,8 +125,8 @@ class TargetGoals:
 
     def _is_new(self, q: Floats) -> bool:
         robot = self._whole.robot
-        apart = (float(distances(robot, np.stack([q, other.configuration]))[0]) for other in self.solutions)
-        return min(apart) > APART * robot.mean_length
+        moves = (np.stack([other.configuration for other in self.solutions]) - q) * lever_metric(robot)
+        return bool(np.square(moves).sum(axis=(1, 2)).min() > (APART * robot.mean_length) ** 2)
 
 
 class ProvedPath(NamedTuple):

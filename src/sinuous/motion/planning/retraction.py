@@ -14,10 +14,10 @@ from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner
 from sinuous.problem.target import Target
 from sinuous.solver.polylines import lengths_along
 
-FIRST, LONGEST, SHORTEST = 0.01, 0.05, 5e-3
+SHORTEST, LONGEST = 0.01, 0.05
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
 
-ENOUGH = 0.02
+ENOUGH = 0.15
 """What is left in front of the tip of a body that is drawn back altogether, in robot lengths."""
 
 BEFORE = 0.5
@@ -73,27 +73,28 @@ class Retraction:
         self._other = other
         apart = np.linalg.norm(self._points - local.robot.tip(other)[:3, 3], axis=1)
         self._beside = float(self._along[apart.argmin()])
-        self._step, self._stuck = FIRST * local.robot.mean_length, 0
+        self._step, self._stuck = SHORTEST * local.robot.mean_length, 0
         self.left = float(self._along[-1])
         self.knots = [q]
+        self._rates: dict[bool, Floats] = {}
 
-    def run(self, steps: int = MOST_STEPS, shortest: float = 0.0) -> bool:
+    def run(self, steps: int = MOST_STEPS, ways: int = WAYS) -> bool:
         """Draw the body back by so many steps, also such as fail, while there is time; say whether it is done.
 
-        It stops where steps would be shorter than `shortest` (robot lengths).
+        It stops where so many `ways`, one after the other, lead no further.
         """
         unit = self._local.robot.mean_length
         for _ in range(steps):
-            if self._step < shortest * unit:
-                break
             if self.left <= ENOUGH * unit or self._stuck == WAYS or self._local.deadline.left() <= 0.0:
                 return True
+            if self._stuck == ways:
+                break
             if self._goes_to(max(0.0, self.left - self._step)):
                 self._step, self._stuck = min(2.0 * self._step, LONGEST * unit), 0
-            elif self._step > SHORTEST * unit:
+            elif self._step >= 2.0 * SHORTEST * unit:
                 self._step *= 0.5
             else:
-                self._way, self._step, self._stuck = (self._way + 1) % WAYS, FIRST * unit, self._stuck + 1
+                self._way, self._step, self._stuck = (self._way + 1) % WAYS, SHORTEST * unit, self._stuck + 1
         return False
 
     def _goes_to(self, along: float) -> bool:
@@ -102,41 +103,46 @@ class Retraction:
         meets = KINDS[(self._first + self._way) % len(KINDS)]
         room = (*CLEARANCES, 0.0)[self._way // len(KINDS)]
         place = np.array([np.interp(along, self._along, axis) for axis in self._points.T])
-        new = local.lead(Target(place), self._slid_back(self.left - along, meets), room)
+        begin = within_limits(local.robot, q + (self.left - along) * self._sliding(meets))
+        new = local.lead(Target(place), begin, room)
         if new is None or not local.is_clear(q, new):
             return False
         self.knots.append(new)
         self.left = along
+        self._rates.clear()
         return True
 
-    def _slid_back(self, by: float, meets: bool) -> Floats:
-        """The body, slid back; of one that meets the other end, what is before that one's tip goes there instead."""
-        q, robot = self.knots[-1], self._local.robot
-        n, weights = len(q), np.arange(1, len(q) + 1) / len(q)
-        if not meets:
-            return slid_back(robot, q, by, weights, np.zeros((n, 3)))
-        places = self.left - np.append(np.cumsum(q[:0:-1, 2])[::-1], 0.0)
-        weights[places < self._beside - BEFORE * robot.mean_length / n] = 0.0
-        weights[-1] = 1.0
-        left = self.left - self._beside
-        share = min(1.0, by / left) if left > 0.0 else 0.0
-        return slid_back(robot, q, by, weights, share * (self._other - q))
+    def _sliding(self, meets: bool) -> Floats:
+        """How the body slides back; of one that meets the other end, what is before that one's tip goes there instead.
+
+        It is kept for other steps from the same knot, of which many fail.
+        """
+        if meets not in self._rates:
+            q, robot = self.knots[-1], self._local.robot
+            n, weights, wished = len(q), np.arange(1, len(q) + 1) / len(q), np.zeros((len(q), 3))
+            if meets:
+                places = self.left - np.append(np.cumsum(q[:0:-1, 2])[::-1], 0.0)
+                weights[places < self._beside - BEFORE * robot.mean_length / n] = 0.0
+                weights[-1] = 1.0
+                left = self.left - self._beside
+                wished = (self._other - q) / max(left, LONGEST * robot.mean_length) if left > 0.0 else wished
+            self._rates[meets] = sliding(robot, q, weights, wished)
+        return self._rates[meets]
 
 
-def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, wished: Floats) -> Floats:
-    """Return the configuration (n, 3) that has slid back along itself, to first order, within the limits of segments.
+def sliding(robot: Robot, q: Floats, weights: Floats, wished: Floats) -> Floats:
+    """Return by how much a configuration (n, 3) changes where it slides back along itself by 1, to first order.
 
-    The ends of segments go back along their tangents by so much, as far as they can (damped least squares); each counts
-    by its weight (n,). What that leaves free changes by `wished` (n, 3). The robot has no tool.
+    The ends of segments go back along their tangents, as far as they can (damped least squares); each counts by its
+    weight (n,). What that leaves free changes by `wished` (n, 3). The robot has no tool.
     """
     n, basis = len(q), robot.drive.coordinates.basis
-    units = np.tile([1.0, 1.0, robot.mean_length / n], n)
+    units = np.array([1.0, 1.0, robot.mean_length / n])
     ends, jacobian = robot.forward(q), robot._row_jacobian(q, n)
     arms = ends[:, :3, 3] - ends[-1, :3, 3]
     moves = jacobian[3:] + (arms @ VELOCITY_BY_ROTATION).reshape(n, 3, 3) @ jacobian[:3]  # (n, 3, 3 n), of every end
-    moves *= (np.arange(3 * n) // 3 <= np.arange(n)[:, None])[:, None] * weights[:, None, None]
-    rows, back = (moves.reshape(3 * n, 3 * n) * units) @ basis, (-by * weights[:, None] * ends[:, :3, 2]).ravel()
-    hoped, normal = basis.T @ (wished.ravel() / units), rows.T @ rows
-    damping = DAMPING * np.trace(normal) / (3 * n) + np.finfo(float).tiny
-    step = hoped + np.linalg.solve(normal + damping * np.eye(len(normal)), rows.T @ (back - rows @ hoped))
-    return within_limits(robot, q + (units * (basis @ step)).reshape(n, 3))
+    moves *= (weights[:, None] * np.tri(n)).repeat(3, axis=1)[:, None]
+    rows, hoped = (moves.reshape(3 * n, n, 3) * units).reshape(3 * n, 3 * n) @ basis, (wished / units).ravel() @ basis
+    normal, off = rows.T @ rows, (weights[:, None] * ends[:, :3, 2]).ravel() + rows @ hoped
+    normal.flat[:: len(normal) + 1] += DAMPING * normal.trace() / (3 * n) + np.finfo(float).tiny
+    return units * (basis @ (hoped - np.linalg.solve(normal, off @ rows))).reshape(n, 3)

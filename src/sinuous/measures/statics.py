@@ -23,6 +23,9 @@ from sinuous.statics.body import Body, body_of
 DIFFERENCE = 1e-5
 """By how much coordinates are changed, rad, and lengths relative to themselves."""
 
+TOGETHER = 20_000
+"""Of shapes that are looked at together, about, the sum of the squared numbers of coordinates: they stay in caches."""
+
 NODES, SHARES = np.polynomial.legendre.leggauss(6)
 """Where the weight of an arc is integrated, from -1 to 1, and how much each place counts."""
 
@@ -43,6 +46,12 @@ def imbalance(robot: Robot, q: Floats, states: Floats, displacements: Floats | N
     """
     own = body_of(robot)
     q, states = q.reshape(-1, len(robot), 3), states.reshape(-1, len(own.owners), 4)
+    displacements = None if displacements is None else displacements.reshape(len(q), -1)
+    most = 1 + TOGETHER // states[0].size ** 2
+    if len(q) > most:
+        starts = np.arange(most, len(q), most)
+        moved = [None] * (len(starts) + 1) if displacements is None else np.split(displacements, starts)
+        return max(map(imbalance, [robot] * len(moved), np.split(q, starts), np.split(states, starts), moved))
     length = (q[..., 2] / own.counts)[:, own.owners]
     columns = (own.stiffness[own.owners] / np.maximum(length, 1e-300)[..., None])[..., [0, 0, 1, 2]]
     give = np.flatnonzero(np.isfinite(own.stiffness[own.owners][:, [0, 0, 1, 2]]))

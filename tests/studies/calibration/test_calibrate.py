@@ -13,6 +13,7 @@ import sinuous as sn
 from sinuous.files.documents import parse_yaml
 from sinuous.files.nouns import read_robot
 from sinuous.model.joints import moved_joints
+from sinuous.studies.calibration import calibrate
 from sinuous.studies.calibration.fit import begun, extended, fitted, moved, predict
 from sinuous.studies.calibration.measurements import Place, read, read_table
 from sinuous.studies.calibration.model import at_rest, derivatives, holds, model, predicted
@@ -130,10 +131,10 @@ def test_a_pose_turns_a_robot_under_gravity() -> None:
 
 def test_an_elastic_robot_is_found_from_its_tips() -> None:
     real = real_robot()
-    values = settings(real, 40)
+    values = settings(real, 24)
     found = sn.studies.calibrate(DRAWN, values, measured(real, values, 0.1))
     assert found.robot.drive.elastic is not None
-    assert tip_errors(found, real, settings(real, 40, seed=9)).mean() < 0.3
+    assert tip_errors(found, real, settings(real, 20, seed=9)).mean() < 0.3
     assert found.fitted.mean < 0.3
     np.testing.assert_allclose(found.robot.base, POSE, atol=0.5)
     assert "elastic tendons" in found.explain()
@@ -248,7 +249,7 @@ def test_outliers_and_rows_that_stall_are_named() -> None:
 
 def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
     real = real_robot()
-    values = settings(real, 60)
+    values = settings(real, 30)
     tips = measured(real, values, 0.5)
     order = [1, 0, *range(2, values.shape[1])]
     signs = np.where(np.arange(values.shape[1]) == 2, -1.0, 1.0)
@@ -268,7 +269,7 @@ def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
 def test_play_is_told_and_fitted() -> None:
     """Tips follow motors late where these turn round: simulated by holding each motor's last direction."""
     random = np.random.default_rng(4)
-    ends = settings(DRAWN, 12)
+    ends = settings(DRAWN, 8)
     pulls = np.concatenate([np.linspace(a, b, 6, endpoint=False) for a, b in itertools.pairwise(ends)])
     play, followed, now = 0.4, np.empty_like(pulls), pulls[0].copy()
     for i, row in enumerate(pulls):
@@ -309,6 +310,11 @@ def test_what_rows_do_not_determine_is_named() -> None:
     few = sn.studies.calibrate(real, values[:5], measured(real, values[:5]), fit=["offsets"])
     assert any("too few rows to fit offsets: offset of s1.t1" in note for note in few.notes)
     assert few.groups == ("base",)
+
+
+@pytest.fixture(autouse=True)
+def few_settings_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calibrate, "CANDIDATES", 60)
 
 
 def test_settings_are_suggested_that_hold_the_load() -> None:

@@ -1,9 +1,11 @@
 """What many tests need: cases, refusals, samples at the delicate places, and the exponential map by other code."""
 
+import ast
 import inspect
 import math
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache, partial, wraps
+from functools import cache, lru_cache, partial, wraps
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,8 @@ from sinuous.kernels.fields import distances
 from sinuous.model.robot import robot_group
 from sinuous.problem.problem import settings_group
 from sinuous.scene.snapshot import Snapshot
+
+PACKAGE = Path(sn.__file__).parent
 
 Floats = NDArray[np.float64]
 Vec = tuple[float, float, float]
@@ -46,6 +50,21 @@ BENDS = (
     2 * math.pi,
 )
 LENGTHS = (0.0, 1e-6, 1.0, 60.0)
+
+
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
+@cache
+def statements_of(file: Path) -> list[ast.AST]:
+    """All statements of a file, those within others too; expressions, of which there are ten times as many, are not."""
+    found: list[ast.AST] = [parsed(file)]
+    for node in found:
+        inner = ast.iter_child_nodes(node)
+        found.extend(each for each in inner if isinstance(each, ast.stmt | ast.excepthandler | ast.match_case))
+    return found
 
 
 def configurations(seed: int, segments: int, count: int) -> list[Floats]:

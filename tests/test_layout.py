@@ -5,9 +5,7 @@ import re
 from functools import cache
 from pathlib import Path
 
-import sinuous
-
-PACKAGE = Path(sinuous.__file__).parent
+from tests.helpers import PACKAGE, parsed, statements_of
 
 DESIGN = Path(__file__).parents[1] / "docs" / "design.md"
 MAP = re.search(r"^## The map\n(.*?)^## |\Z", DESIGN.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
@@ -56,15 +54,10 @@ NAMES = {module(file) for file in SOURCES}
 
 
 @cache
-def parsed(file: Path) -> ast.Module:
-    return ast.parse(file.read_text(encoding="utf-8"))
-
-
-@cache
 def imports(file: Path) -> tuple[str, ...]:
     """Modules of the package that a file imports, those for types too, without `sinuous.` in front."""
     found: list[str] = []
-    for node in ast.walk(parsed(file)):
+    for node in statements_of(file):
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "sinuous":
             for alias in node.names:
                 inner = f"{node.module}.{alias.name}".partition(".")[2]
@@ -122,7 +115,7 @@ def test_no_two_classes_have_one_name() -> None:
     commands = PACKAGE / "cli" / "app.py"
     places: dict[str, list[str]] = {}
     for file in SOURCES:
-        for node in parsed(file).body:
+        for node in statements_of(file):
             if isinstance(node, ast.ClassDef) and file != commands:
                 places.setdefault(node.name, []).append(module(file))
     twice = [f"{name}: {', '.join(there)}" for name, there in places.items() if len(there) > 1]
@@ -139,7 +132,7 @@ def test_kernels_say_the_shape_of_every_array_that_they_are_given() -> None:
     kernels = PACKAGE / "kernels"
     for file in (file for file in kernels.rglob("*.py") if file.parent.name != "compile"):
         above = [ast.get_docstring(parsed(each)) for each in (file, kernels / "__init__.py")]
-        for function in (node for node in ast.walk(parsed(file)) if isinstance(node, ast.FunctionDef)):
+        for function in (node for node in statements_of(file) if isinstance(node, ast.FunctionDef)):
             arrays = [each.arg for each in function.args.args if ast.unparse(each.annotation or each) == "Array"]
             texts = [ast.get_docstring(function), *above]
             missing = [name for name in arrays if not any(is_described(name, text) for text in texts)]

@@ -209,7 +209,7 @@ def test_one_of_two_targets_is_dropped() -> None:
 
 def test_remedies_solve_what_they_say() -> None:
     """What is told is what a user then types, so it must work with nothing but that."""
-    for seed in range(6):
+    for seed in range(4):
         rng = np.random.default_rng(seed)
         target = sn.Target(rng.normal((0, 0, 1.5)), direction=rng.normal(size=3))
         solution = sn.solve(ROBOT, target, max_starts=20)

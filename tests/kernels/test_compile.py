@@ -1,22 +1,14 @@
 """Python calls entries alone: other kernels would run as Python, a thousand times as slowly."""
 
 import ast
-from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import FunctionType, ModuleType
 
-import sinuous
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compile.sources import read_sources
 from sinuous.kernels.compile.store import ENTRIES
-
-PACKAGE = Path(sinuous.__file__).parent
-
-
-@cache
-def parsed(file: Path) -> ast.Module:
-    return ast.parse(file.read_text(encoding="utf-8"))
+from tests.helpers import PACKAGE, parsed, statements_of
 
 
 def decorated(file: Path, name: str) -> set[str]:
@@ -42,7 +34,7 @@ def imported(file: Path) -> set[tuple[str, str]]:
         return set()
     return {
         (node.module or "", alias.name)
-        for node in ast.walk(parsed(file))
+        for node in statements_of(file)
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sinuous.kernels")
         for alias in node.names
     }

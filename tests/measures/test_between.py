@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.measures import body
 from sinuous.measures.body import Meeting, body_places, least_clearance, least_self_clearance, segment_ends
 from sinuous.measures.following import (
     FEWEST,
@@ -150,3 +151,15 @@ def test_a_parallel_line_is_as_far_everywhere() -> None:
     assert found.shape == pytest.approx(0.1)
     assert found.shares == pytest.approx(dict.fromkeys(("tip", "tip_mean", "shape", "shape_mean"), 0.05))
     assert repr(found) == "Deviation(tip 5 %, mean 5 %, shape 5 %, mean 5 %)"
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.1])
+def test_many_shapes_are_as_near_to_themselves_as_the_nearest_of_them(
+    radius: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where few places are looked at together, and each time only for what is nearer than was seen before."""
+    robot, rng = sn.Robot([sn.Segment((0.0, 2.0), 6.0, radius=radius)] * 4), np.random.default_rng(4)
+    q = np.stack([curled(rng, [radius] * 4, 2.5) for _ in range(8)])
+    alone = [least_meeting(robot, one[None]) for one in q]
+    monkeypatch.setattr(body, "PAIRS", 1)
+    assert least_meeting(robot, q) == min(alone, key=lambda each: each.gap)

@@ -232,8 +232,11 @@ MOST_PLACES = 20_000
 FEWEST = 8
 """Places of a segment."""
 
-RUN, PAIRS = 16, 16
+RUN, PAIRS = 16, 32
 """Places in a row that are held against others in a row, and pairs of such runs that are looked at together."""
+
+ROUNDING = 1e-12
+"""Of squared distances, as a share of the squared distances from a place near both."""
 
 
 class Meeting(NamedTuple):
@@ -295,17 +298,15 @@ def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
 
 def nearest_pair(places: Places) -> Meeting:
     """Least gap over places of a body that concern each other; see `concerned`."""
-    points, radii = np.ascontiguousarray(places.points.T), places.radii
+    points, radii = places.points, places.radii
     least = Meeting(math.inf, None)
     for low, one, other in _nearest_first(places):
         if low >= least.gap:
             break
-        first, second = one[:, :, None], other[:, None, :]
-        x, y, z = points[:, first] - points[:, second]
-        gaps = np.sqrt(x * x + y * y + z * z) - radii[first] - radii[second]
-        k, a, b = np.nonzero(gaps < least.gap)
+        k, a, b = np.nonzero(_may_meet(places, one, other, least.gap))
         near, far = one[k, a], other[k, b]
-        gaps = np.where(concerned(places, near, far), gaps[k, a, b], math.inf)
+        gaps = np.linalg.norm(points[near] - points[far], axis=1) - radii[near] - radii[far]
+        gaps = np.where(concerned(places, near, far), gaps, math.inf)
         if gaps.min(initial=math.inf) < least.gap:
             nearest = int(gaps.argmin())
             pair = near[nearest], far[nearest]
@@ -314,6 +315,25 @@ def nearest_pair(places: Places) -> Meeting:
             place = BodyPlace.of(places.points[pair[1]], other_own, share)
             least = Meeting(float(gaps[nearest]), (own, other_own), place)
     return least
+
+
+def _may_meet(places: Places, one: Indices, other: Indices, gap: float) -> NDArray[np.bool_]:
+    """Rule out most pairs (k, r, r) of places of runs (k, r) that do not concern each other, or are beyond a gap.
+
+    Where the radius is the same everywhere, all of the former: in runs side by side, most are neighbours on the body.
+    """
+    points, radii = places.points, places.radii
+    may = np.ones((len(one), RUN, RUN), np.bool_)
+    if len(places.apart) == places.runs[-1] == 0:
+        apart = places.along[other][:, None, :] - places.along[one][:, :, None]
+        may = apart >= math.pi * radii[0]
+    if math.isfinite(gap):
+        middle = points[one[:, :1]]
+        here, there = points[one] - middle, points[other] - middle
+        lengths = np.square(here).sum(axis=-1)[:, :, None] + np.square(there).sum(axis=-1)[:, None, :]
+        most = np.maximum(0.0, gap + radii[one].max(axis=1) + radii[other].max(axis=1))
+        may &= (1.0 - ROUNDING) * lengths - 2.0 * here @ there.transpose(0, 2, 1) <= most[:, None, None] ** 2
+    return may
 
 
 def nearest_meeting(robot: Robot, q: Floats, ends: Floats) -> Meeting:

@@ -235,17 +235,9 @@ class _Library(JITCodeLibrary):
             module.name = self._final_module.name
             self._final_module, self._filled = module, True
 
-    def own_module(self) -> Any:
-        """Return this alone."""
-        raise NotImplementedError
-
-    def _get_module_for_linking(self) -> Any:
-        """Return this with all that it calls: for code of others, which Numba compiles by itself."""
-        return _linked(self)
-
     def serialize_using_object_code(self) -> Any:
         """Return what is kept on disk: this alone."""
-        return self.name, "object", (self._get_compiled_object(), self.own_module().as_bitcode())
+        return self.name, "object", (self._get_compiled_object(), self._get_module_for_linking().as_bitcode())
 
 
 class LoweredKernel(_Library):
@@ -279,11 +271,6 @@ class LoweredKernel(_Library):
         self._final_module.name = whole.name
         self._finalize_final_module()
 
-    def own_module(self) -> Any:
-        """Return this kernel alone."""
-        self._ensure_finalized()
-        return self._shared_module
-
     def _lighten(self, module: Any) -> None:
         """Take out what was lowered in vain: addresses of this process among it, which cannot be kept on disk."""
         passes = llvm.create_new_module_pass_manager()
@@ -310,10 +297,6 @@ class Whole(_Library):
             self._final_module.link_in(_joined(modules))
         self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, LoweredKernel | Whole)]
         super().finalize()
-
-    def own_module(self) -> Any:
-        """Return this entry, or shared kernel, alone."""
-        return JITCodeLibrary._get_module_for_linking(self)
 
     def _optimize_final_module(self) -> None:
         """Optimise once; what was linked belongs to this entry alone.
@@ -355,18 +338,6 @@ def reached(libraries: list[Any]) -> list[LoweredKernel | Whole]:
             found[one] = None
             due += one.parts if isinstance(one, LoweredKernel) else ()
     return list(found)
-
-
-def _linked(library: _Library) -> Any:
-    """Return the module of a library, linked with those of all that it calls."""
-    module, found, due = library.own_module().clone(), {library}, [*library.parts]
-    while due:
-        one = due.pop()
-        if one not in found:
-            found.add(one)
-            due += one.parts
-            module.link_in(one.own_module(), preserve=True)
-    return module
 
 
 def _joined(modules: list[Any]) -> Any:

@@ -23,6 +23,7 @@ from sinuous.kernels.fields import distances
 from sinuous.model.robot import robot_group
 from sinuous.problem.problem import settings_group
 from sinuous.scene.snapshot import Snapshot
+from sinuous.statics.rest import Rest
 
 PACKAGE = Path(sn.__file__).parent
 
@@ -201,6 +202,12 @@ def make_rows(segments: int, capacity: int) -> Rows:
         np.zeros((capacity, 13)),
         np.zeros(capacity),
     )
+
+
+def states_of(rests: Iterable[Rest]) -> tuple[Floats, ...]:
+    """Drives, states and displacements of shapes of elastic robots at rest, as judges of these take them."""
+    parts = [(each.q, each.found[0], each.displacements) for each in rests if each.displacements is not None]
+    return tuple(np.stack(part) for part in zip(*parts, strict=True))
 
 
 def refused(key: str, call: Callable[[], Any], *words: str) -> sn.InputError:

@@ -9,7 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.statics import lacking_stretch, pulls
 from sinuous.statics.rest import Rest, Way
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, refused, states_of
 from tests.solver.test_tension_limits import arm
 
 SECONDS = 20.0
@@ -29,8 +29,7 @@ def most_pulled(robot: sn.Robot, q: Floats, looks: int = 9) -> float:
     """The greatest tension that is seen on the way, by energies that share no code with the equilibrium."""
     ways = [Way(Rest(robot, one), Rest(robot, other)) for one, other in pairwise(q)]
     rests = [way.rest(share) for way in ways for share in np.linspace(0.0, 1.0, looks).tolist()]
-    states = [(each.q, each.found[0], each.displacements) for each in rests if each.displacements is not None]
-    return float(np.nanmax(pulls(robot, *(np.stack(parts) for parts in zip(*states, strict=True)))))
+    return float(np.nanmax(pulls(robot, *states_of(rests))))
 
 
 def test_tensions_between_knots_under_load_are_bounded_or_not_proved() -> None:

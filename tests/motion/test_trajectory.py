@@ -106,7 +106,7 @@ def test_a_blend_saves_time_and_stays_within_what_is_allowed() -> None:
     assert blended.duration < 0.6 * stops.duration
     t = np.linspace(0.0, blended.duration, 2000)
     body = ARM.backbone(blended.at(t), 6)
-    true = ARM.backbone(motion.at(np.linspace(0, 39, 8_000)), 6)
+    true = ARM.backbone(motion.at(np.linspace(0, 39, 4_000)), 6)
     nearest = np.array([np.linalg.norm(true - one, axis=-1).max(axis=1).min() for one in body[::20]])
     assert nearest.max() <= 0.3
     assert nearest.max() > 1e-4

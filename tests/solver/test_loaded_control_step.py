@@ -7,7 +7,7 @@ import sinuous as sn
 from sinuous.measures.statics import imbalance
 from sinuous.model.rates import Changes
 from sinuous.statics.rest import Rest, Way
-from tests.helpers import refused
+from tests.helpers import refused, states_of
 from tests.solver.test_loaded_solve import GRAVITY, Q, arm
 
 DT = 0.02
@@ -201,10 +201,9 @@ def test_tensions_under_load_are_kept_at_the_end_and_between(seed: int) -> None:
         step = solver.step(q, twist, DT)
         assert step.proved
         way = Way(Rest(robot, q), Rest(robot, step.q))
-        for share in np.linspace(0.0, 1.0, 7):
-            rest = way.rest(float(share))
-            assert imbalance(robot, rest.q, rest.found[0], rest.displacements) < 1e-7
-            assert np.nanmax(rest.pulls) <= most * (1.0 + 1e-6)
+        rests = [way.rest(share) for share in np.linspace(0.0, 1.0, 7).tolist()]
+        assert imbalance(robot, *states_of(rests)) < 1e-7
+        assert np.nanmax([rest.pulls for rest in rests]) <= most * (1.0 + 1e-6)
         held |= {each.actuator or "" for each in step.active if each.constraint == "actuator"}
         moved += float(np.abs(step.q - q).max())
         q = step.q

@@ -218,6 +218,8 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
 def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
     compared = 0
     for seed in range(40):
+        if compared > 9:
+            break
         rng = np.random.default_rng([seed, 5])
         found = draw("beside obstacles", rng)
         if found is None:

@@ -1,5 +1,6 @@
 """The planners in the order in which they are tried: among obstacles that stand still, and among some that move."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
@@ -16,7 +17,7 @@ from sinuous.motion.planning.contact_retraction import ContactRetractionTrees
 from sinuous.motion.planning.local_planner import LocalPlanner
 from sinuous.motion.planning.path_pacing import pace_path
 from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TargetGoals, TimedQuery
-from sinuous.motion.planning.retraction import KINDS, Retraction
+from sinuous.motion.planning.retraction import ENOUGH, KINDS, Retraction
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.planning.timed_tree import grow_timed_tree
 from sinuous.motion.planning.tree import Chain
@@ -116,6 +117,7 @@ class PlanSearch:
         self._goals = np.empty((0, *query.start.shape))
         self._outs: list[Chain] = []
         self._ins: list[Chain] = []
+        self._left = [math.inf, math.inf]  # of the start and of goals, as far as they were drawn back: robot lengths
         self._begun: dict[tuple[bytes, int], Retraction] = {}
 
     @cached_property
@@ -172,18 +174,20 @@ class PlanSearch:
         return path
 
     def _draw_back(self, turn: int) -> None:
-        """Draw back a goal or, in every other turn, the start.
+        """Draw back a goal or the start: at first a goal by each kind, then the end that came less far, or by turns.
 
-        Each end by each kind; then what contact-retraction trees have reached from there.
+        After each kind, it is drawn back from what contact-retraction trees have reached.
         """
-        start, goals = self._query.start, self._query.goals(self._trees.reached)
-        side = turn % 2 if turn > 0 else 1
+        start, goals, left = self._query.start, self._query.goals(self._trees.reached), self._left
+        side = turn % 2 if left[0] == left[1] else int(left[1] > left[0])
+        side = 1 if turn < len(KINDS) else side
         ends, chains = ([start], goals)[side], (self._outs, self._ins)[side]
         number, kind = divmod(len(chains), len(KINDS))
         chain = [ends[number]] if number < len(ends) else self._retracted.random_branch(side)
         made = self._retraction(chain[-1], kind, (goals[0], start)[side])
         made.run()
         chains.append([*chain[:-1], *made.knots])
+        left[side] = min(left[side], max(ENOUGH, made.left / self._query.robot.mean_length))
 
     def _retraction(self, end: Floats, kind: int, other: Floats) -> Retraction:
         """Return the retraction of an end: the one that has begun, where there is one."""

@@ -14,7 +14,7 @@ from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner
 from sinuous.problem.target import Target
 from sinuous.solver.polylines import lengths_along
 
-SHORTEST, LONGEST = 0.01, 0.05
+SHORTEST, LONGEST = 5e-3, 0.05
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
 
 ENOUGH = 0.15

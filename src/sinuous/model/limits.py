@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from sinuous.base.arguments import LimitKind, RateKind
 from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
-from sinuous.kernels.packing import ANY_LENGTH, BendLine
+from sinuous.kernels.packing import BendLine
 from sinuous.model.actuation import Actuation, Actuator
 from sinuous.model.joints import RigidRow
 from sinuous.model.segment import Segment
@@ -246,14 +246,14 @@ class LimitSet:
     def homes(self) -> list[tuple[float, float, float]]:
         """Where segments go when limits of actuators are to be kept: bends, and lengths or -1 where any length will do.
 
+        Of a robot that bends in planes, has what is locked, or limits of actuators that are equal.
+
         Raises
         ------
         InputError
             When limits of actuators leave no shape of what is locked, or in one plane.
         """
         own, drive = self._drive.coordinates, self._drive
-        if own.free:
-            return [ANY_LENGTH] * len(own.bends)
         bends = np.array([each.home if isinstance(each, BendLine) else (0.0, 0.0) for each in own.bends])
         shape = np.column_stack([bends, 0.5 * own.lengths.sum(axis=1)])
         middle, spread = drive.displacements(shape), 0.5 * np.abs(drive.jacobian[:, 2::3]) @ np.ptp(own.lengths, axis=1)

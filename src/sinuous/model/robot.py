@@ -319,7 +319,9 @@ class Robot(NotebookMixin, Frozen):
             actuation=actuation,
             drive=drive,
         )
-        homes = LimitSet(chain, own, curvatures, drive, self.mean_length).homes()
+        homes = [packing.ANY_LENGTH] * len(listed)
+        if not held.free:
+            homes = LimitSet(chain, own, curvatures, drive, self.mean_length).homes()
         rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)
         self._set(limits=packing.segment_table(with_links([packing.segment_row(*row) for row in rows], rigid)))
 

@@ -319,7 +319,7 @@ class Robot(NotebookMixin, Frozen):
             actuation=actuation,
             drive=drive,
         )
-        homes = [packing.ANY_LENGTH] * len(listed)
+        homes = [packing.ANY_LENGTH] * len(held.bends)
         if not held.free:
             homes = LimitSet(chain, own, curvatures, drive, self.mean_length).homes()
         rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)

@@ -460,18 +460,21 @@ DT = 0.02
 
 
 def control_steps(plan: Plan) -> Iterator[Line]:
-    """Loops with twists that turn round, of a body under load; each from where it is."""
+    """Loops with twists that turn round, of a body under load and of the same robot without; each from where it is."""
     count, random = plan.count(1000, 100), np.random.default_rng(plan.seed)
+    hanging = loaded_robot(2).changed(arcs=8)
     twists = 0.1 * random.normal(size=(count // 10 + 1, 3)).repeat(10, axis=0)
-    solver, q = (
-        sn.Solver(loaded_robot(2).changed(arcs=8), list(_balls(random, 40))),
-        [[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1]],
-    )
-    seconds, steps = stepped(solver, np.array(q), twists[:count], DT)
-    times, note = Times.of(seconds), f"{sum(step.proved for step in steps)} of {count} proved"
-    yield Line(STEPPED, "a step: median", times.median, "ms", Goal(1e-3), times, note=note)
-    yield Line(STEPPED, "a step: p99", times.p99, "ms", Goal(5e-3), times)
-    yield Line(STEPPED, "a step: worst", times.worst, "ms", None, times)
+    scene, times = list(_balls(random, 40)), []
+    for robot in (hanging, hanging.changed(gravity=None, payload=None)):
+        q = np.array([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1]])
+        seconds, steps = stepped(sn.Solver(robot, scene), q, twists[:count], DT)
+        times.append((Times.of(seconds), sum(step.proved for step in steps)))
+    (loaded, proved), (free, _) = times
+    yield Line(STEPPED, "a step: median", loaded.median, "ms", Goal(1e-3), loaded, note=f"{proved} of {count} proved")
+    yield Line(STEPPED, "a step: p99", loaded.p99, "ms", Goal(5e-3), loaded)
+    yield Line(STEPPED, "a step: worst", loaded.worst, "ms", None, loaded)
+    yield Line(STEPPED, "the same without load: median", free.median, "us", None, free)
+    yield Line(STEPPED, "a step under load, in steps without", loaded.median / free.median, "", Goal(10.0))
 
 
 SOLVED: dict[str, Part] = {

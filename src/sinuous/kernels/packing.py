@@ -371,7 +371,7 @@ def settings_group(
 def plan_search(
     query: Floats, *, cell: float, clearance: float, free_margin: float, most_cells: int, prove: bool
 ) -> Floats:
-    """Return the query (26,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
+    """Return the query (QUERY_WIDTH,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
     planned = query.copy()
     planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_FREE_MARGIN] = cell, clearance, free_margin
     planned[t.QUERY_MOST_CELLS], planned[t.QUERY_PROVE] = most_cells, prove

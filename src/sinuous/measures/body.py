@@ -320,11 +320,12 @@ def nearest_pair(places: Places) -> Meeting:
 def _may_meet(places: Places, one: Indices, other: Indices, gap: float) -> NDArray[np.bool_]:
     """Rule out most pairs (k, r, r) of places of runs (k, r) that do not concern each other, or are beyond a gap.
 
-    Where the radius is the same everywhere, all of the former: in runs side by side, most are neighbours on the body.
+    Of a body without joints and with one radius all of the former: in runs side by side, most are neighbours on it.
     """
     points, radii = places.points, places.radii
     may = np.ones((len(one), RUN, RUN), np.bool_)
-    if len(places.apart) == places.runs[-1] == 0:
+    jointed, widens = len(places.apart) > 0, places.runs[-1] > 0
+    if not jointed and not widens:
         apart = places.along[other][:, None, :] - places.along[one][:, :, None]
         may = apart >= math.pi * radii[0]
     if math.isfinite(gap):

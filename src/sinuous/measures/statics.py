@@ -24,7 +24,8 @@ DIFFERENCE = 1e-5
 """By how much coordinates are changed, rad, and lengths relative to themselves."""
 
 TOGETHER = 20_000
-"""Of shapes that are looked at together, about, the sum of the squared numbers of coordinates: they stay in caches."""
+"""How many shapes are looked at together, times the squared number of coordinates of one: their arrays stay in caches.
+"""
 
 NODES, SHARES = np.polynomial.legendre.leggauss(6)
 """Where the weight of an arc is integrated, from -1 to 1, and how much each place counts."""
@@ -139,7 +140,8 @@ def _tensions(robot: Robot, own: Body, q: Floats, long: Floats, displacements: F
         displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
     reaches = np.pad(np.cumsum(q[..., 2], axis=1), ((0, 0), (1, 0)))
     moved = displacements.reshape(len(q), -1)[:, lines.actuators]
-    held = np.where(lines.pushes, moved, np.subtract(*(reaches[:, lines.sections[:, i] + i] for i in (1, 0))) - moved)
+    begins, ends = reaches[:, lines.sections[:, 0]], reaches[:, lines.sections[:, 1] + 1]
+    held = np.where(lines.pushes, moved, ends - begins - moved)
     if lines.straight.any():  # holes lie on chords of the arcs that nothing loads
         arcs = q[:, own.owners] / own.counts[own.owners][:, None]
         for i in np.flatnonzero(lines.straight):

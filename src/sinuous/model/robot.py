@@ -321,7 +321,7 @@ class Robot(NotebookMixin, Frozen):
         )
         homes = [packing.ANY_LENGTH] * len(held.bends)
         if not held.free:
-            homes = LimitSet(chain, own, curvatures, drive, self.mean_length).homes()
+            homes = self.limit_set.homes()
         rows = zip(held.lengths.tolist(), held.bends, curvatures, needed, own, homes, strict=True)
         self._set(limits=packing.segment_table(with_links([packing.segment_row(*row) for row in rows], rigid)))
 

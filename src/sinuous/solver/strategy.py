@@ -175,7 +175,7 @@ PASSAGES_CELLS_A_START = 1000
 more classes than scattered starts do."""
 
 MakePassages = Callable[[IKQuery, Floats], Passages]
-"""From a question and what routes have to keep (26,) to the passages of its routes."""
+"""From a question and what routes have to keep (QUERY_WIDTH,) to the passages of its routes."""
 
 
 class Strategy:
@@ -396,7 +396,7 @@ class RouteAttempts:
         Where they are added.
     searches : Searches
     question : IKQuery
-    query : ndarray (26,)
+    query : ndarray (QUERY_WIDTH,)
         What routes have to keep.
     passages : callable, optional
         See `Strategy.batches`.

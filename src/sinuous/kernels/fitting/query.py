@@ -1,6 +1,6 @@
 """What a route for a robot and its most distal target has to keep: the query that `freespace` answers.
 
-`query` (23,) is flat, see `tables`.
+`query` (QUERY_WIDTH,) is flat, see `tables`.
 """
 
 import math
@@ -38,7 +38,7 @@ def _put(query: Array, at: int, vector: Vec) -> None:
 
 @entry
 def route_query(robot: Array, scene: Array, settings: Array, targets: Array, query: Array) -> bool:
-    """Fill what robot and targets ask of a route into `query` (26,); the plan's numbers are left as they are.
+    """Fill what robot and targets ask of a route into `query` (QUERY_WIDTH,); the plan's numbers are left as they are.
 
     `robot`, `scene` and `settings` are groups and `targets` (t, 15) a table, laid out as `sinuous.kernels.tables` says.
     Returns False, and fills nothing, when no target has a position.

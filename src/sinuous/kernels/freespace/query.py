@@ -1,6 +1,6 @@
 """What is asked of a route search, and the grids that answer it.
 
-`query` (23,) is flat, see `tables`.
+`query` (QUERY_WIDTH,) is flat, see `tables`.
 """
 
 import math
@@ -37,7 +37,7 @@ def _vector(query: Array, at: int) -> Vec:
 
 
 def read_query(query: Array) -> Query:
-    """Take a query (26,) apart."""
+    """Take a query (QUERY_WIDTH,) apart."""
     return Query(
         _vector(query, t.QUERY_ORIGIN),
         _vector(query, t.QUERY_AXIS),

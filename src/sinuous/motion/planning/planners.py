@@ -117,7 +117,7 @@ class PlanSearch:
         self._goals = np.empty((0, *query.start.shape))
         self._outs: list[Chain] = []
         self._ins: list[Chain] = []
-        self._left = [math.inf, math.inf]  # of the start and of goals, as far as they were drawn back: robot lengths
+        self._left = [math.inf, math.inf]  # least length in front of the tip, of the start and of goals: robot lengths
         self._begun: dict[tuple[bytes, int], Retraction] = {}
 
     @cached_property
@@ -179,8 +179,9 @@ class PlanSearch:
         After each kind, it is drawn back from what contact-retraction trees have reached.
         """
         start, goals, left = self._query.start, self._query.goals(self._trees.reached), self._left
-        side = turn % 2 if left[0] == left[1] else int(left[1] > left[0])
-        side = 1 if turn < len(KINDS) else side
+        side = 1
+        if turn >= len(KINDS):
+            side = turn % 2 if left[0] == left[1] else int(left[1] > left[0])
         ends, chains = ([start], goals)[side], (self._outs, self._ins)[side]
         number, kind = divmod(len(chains), len(KINDS))
         chain = [ends[number]] if number < len(ends) else self._retracted.random_branch(side)

@@ -506,8 +506,8 @@ def prove_steps(
     """Prove the motions linear in q between neighbouring `knots` (T, n, 3), which are within all limits.
 
     `slack`: how far below the truth clearances may be, as a share of them; with 1 it is enough that they are greater
-    than 0. `times` (T,) count where obstacles move; a step whose clearance
-    is not bounded so tightly in this time is then proved clear at least, where that is possible.
+    than 0. `times` (T,) count where obstacles move; a step whose clearance is not bounded so tightly in this time is
+    then proved clear at least, where that is possible.
     """
     prover, path = Prover(robot, scene), np.array(knots, np.float64)
     answers = prover.prove(path, slack, SECONDS, times)

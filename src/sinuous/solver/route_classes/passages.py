@@ -266,7 +266,7 @@ class Passages:
     curves : RouteCurves
         Of the same robot and scene.
     question : IKQuery
-    query : ndarray (26,)
+    query : ndarray (QUERY_WIDTH,)
         What routes have to keep.
     solved : callable
         Says of a curve (N, 3) whether one of its class is solved.
@@ -382,7 +382,7 @@ class Passages:
 
 
 def _bounds(query: Floats, plan: SearchPlan) -> SurfaceBounds:
-    """What blocking surfaces have to keep in the searches of a query (26,) with cells as large as a plan's."""
+    """What blocking surfaces have to keep in the searches of a query (QUERY_WIDTH,) with cells as large as a plan's."""
     ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
     radius, edge = float(query[QUERY_RADIUS]), plan.cell
     return SurfaceBounds(

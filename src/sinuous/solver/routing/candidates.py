@@ -86,7 +86,7 @@ class RouteCandidates:
     ----------
     searches : Searches
     question : IKQuery
-    query : ndarray (26,)
+    query : ndarray (QUERY_WIDTH,)
         What routes have to keep.
     without : collection of str
         Attempts that are switched off.
@@ -128,7 +128,7 @@ class RouteCandidates:
 
     def route_around_edges(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) around edges; `None` where none is found."""
-        off = EDGES in self._without or query[QUERY_NORMAL : QUERY_NORMAL + 3].any()
+        off = EDGES in self._without or _is_planar(query)
         return None if off else self.searches.by_edges(self._problem, query, self._deadline())
 
     def route_through_side_tubes(self, query: Floats) -> Floats | None:
@@ -136,7 +136,7 @@ class RouteCandidates:
 
         Where the base lies in a closed tube, that one leads on.
         """
-        off = SIDE_TUBES in self._without or self.enclosed or query[QUERY_NORMAL : QUERY_NORMAL + 3].any()
+        off = SIDE_TUBES in self._without or self.enclosed or _is_planar(query)
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
     def search_cells(self, plan: SearchPlan) -> FoundRoutes:
@@ -314,7 +314,7 @@ class RouteCandidates:
         return np.stack(legs)
 
     def _leg(self, query: Floats) -> Floats | None:
-        """Return the route (K, 3) of one leg (26,), around edges or over cells; `None` where none is found.
+        """Return the route (K, 3) of one leg (QUERY_WIDTH,), around edges or over cells; `None` where none is found.
 
         Over cells the first that is clear; where none is, the last.
         """
@@ -326,6 +326,11 @@ class RouteCandidates:
             if leg is not None and self._clear(leg, query):
                 break
         return leg
+
+
+def _is_planar(query: Floats) -> bool:
+    """Whether routes have to stay in a plane: those around edges and through side tubes leave it."""
+    return bool(query[QUERY_NORMAL : QUERY_NORMAL + 3].any())
 
 
 def starts_along(

@@ -361,7 +361,7 @@ def segments_of(groups: Groups) -> list[int]:
 
 
 def query_of(groups: Groups) -> Floats | None:
-    """Return what a route to the most distal target has to keep (26,); `None`: no target has a position.
+    """Return what a route to the most distal target has to keep (QUERY_WIDTH,); `None`: no target has a position.
 
     See `sinuous.kernels.tables`.
     """
@@ -370,7 +370,7 @@ def query_of(groups: Groups) -> Floats | None:
 
 
 def _empty_query(robot: Floats) -> Floats:
-    """A query (26,) that keeps nothing but the plane that a robot, of which the group is given, lies in."""
+    """A query (QUERY_WIDTH,) that keeps nothing but the plane that a robot, of which the group is given, lies in."""
     query, parts = np.zeros(QUERY_WIDTH), robot_parts(robot)
     plane = common_plane(parts.segments)
     if plane is not None:
@@ -380,7 +380,7 @@ def _empty_query(robot: Floats) -> Floats:
 
 
 def leg_queries(groups: Groups) -> list[Floats]:
-    """What routes have to keep from target to target (l, 26): none where one target has a position, or none has.
+    """What routes keep from target to target (l, QUERY_WIDTH): none where one target has a position, or none has.
 
     Each leg begins where the one before it ends. See `sinuous.kernels.tables`.
     """

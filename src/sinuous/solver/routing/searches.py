@@ -212,7 +212,7 @@ class Searches:
         problem.scene.list_near(self.robot.base[:3, 3], self._longest, self.radius)
 
     def query(self, problem: Problem) -> Floats | None:
-        """Return what a route has to keep (26,); see `query_of`."""
+        """Return what a route has to keep (QUERY_WIDTH,); see `query_of`."""
         return query_of(self.groups(problem))
 
     def find(self, problem: Problem, query: Floats, plan: SearchPlan, seconds: float) -> FoundRoutes:

@@ -156,7 +156,7 @@ class Tube(NamedTuple):
 
 
 def find_tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
-    """Return the tube that the base lies in, from what a route has to keep (26,); `None` where there is none."""
+    """Return the tube that the base lies in, from what a route keeps (QUERY_WIDTH,); `None` where there is none."""
     radius, longest = query[t.QUERY_RADIUS], query[t.QUERY_LONGEST]
     if radius <= 0.0:
         return None
@@ -254,7 +254,7 @@ TANGENT_SPAN = 2
 ORIGIN, GOAL = (slice(at, at + 3) for at in (t.QUERY_ORIGIN, t.QUERY_GOAL))
 
 Leg = Callable[[Floats], Floats | None]
-"""From what a route has to keep (26,) to a route (K, 3), or to none."""
+"""From what a route has to keep (QUERY_WIDTH,) to a route (K, 3), or to none."""
 
 
 def tubes_beside(scene: Floats, edges: Floats, radius: float, seconds: float) -> list[Floats]:
@@ -342,7 +342,7 @@ def _add_from(
 
 
 def _asked(query: Floats, path: _Path) -> Floats:
-    """What the next leg of a path has to keep (26,)."""
+    """What the next leg of a path has to keep (QUERY_WIDTH,)."""
     asked = query.copy()
     if path.lines:
         last = path.lines[-1]

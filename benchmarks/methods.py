@@ -34,6 +34,7 @@ from benchmarks.problems import (
     tip_targets,
 )
 from sinuous.answer.verification import Verification, verify
+from sinuous.base.checks import Floats
 from sinuous.files.nouns import read_robot
 from sinuous.methods.learned import Learned, Network, train
 from sinuous.methods.method import METHODS, capabilities, name_of
@@ -164,15 +165,16 @@ def solve_in_turns(
     """
     judge = Judge(problems)
     answers = {each.label: _answers(each.solver(problems, seconds, seed), problems.targets, along) for each in able}
-    found: dict[str, list[tuple[sn.Solution, float]]] = {label: [] for label in answers}
-    for _ in range(0, len(problems.targets), BLOCK):
+    records: dict[str, list[Record]] = {label: [] for label in answers}
+    shapes: dict[str, list[Floats]] = {label: [] for label in answers}
+    for first in range(0, len(problems.targets), BLOCK):
         for label, own in answers.items():
-            found[label].extend(islice(own, BLOCK))
-    records = {label: [judge.record(i, *each) for i, each in enumerate(own)] for label, own in found.items()}
+            for i, (solution, spent) in enumerate(list(islice(own, BLOCK)), first):
+                records[label].append(judge.record(i, solution, spent))
+                shapes[label].append(solution.q)
     for label, judged in records.items() if along else ():
         for i, j in pairwise([i for i, record in enumerate(judged) if record["right"]]):
-            shapes = np.stack([found[label][i][0].q, found[label][j][0].q])
-            before, after = problems.robot.backbone(shapes, 4)
+            before, after = problems.robot.backbone(np.stack([shapes[label][i], shapes[label][j]]), 4)
             judged[j]["motion"] = float(np.linalg.norm(after - before, axis=-1).max())
     return records
 

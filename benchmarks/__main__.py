@@ -40,6 +40,10 @@ KNOWN = {
         "intricate places, each known to be possible: what is solved, and how quickly", "clutter", "clutter"
     ),
     "wild": Known("anything that can be built, with hidden solutions, every claim judged", "wild.experiment", "wild"),
+    "ablation": Known("places with each attempt of the solver switched off", "ways", "ablation"),
+    "demanded": Known("places with a clearance demanded, or a body that is thicker by as much", "ways", "demanded"),
+    "remembered": Known("many targets in one place, with a memory and without", "ways", "remembered"),
+    "explored": Known("plans into places that were explored, and without that", "ways", "explored"),
     "many": Known("batches through files, and engines", "many"),
     "motion": Known(
         "motions planned, tracked, led and stepped: what is found, and whether it is clear", "motion.experiment"
@@ -64,7 +68,6 @@ TOOLS = {
     "trace": ("trace", "how many files of the package run in a solve"),
     "rooms": ("rooms", "lines of code by room, rooms, public names, words"),
     "corpus": ("corpus", "some thousand problems with their answers, to hold a change of the code to the last bit"),
-    "ways": ("ways", "places solved in several ways: with a memory, explored, attempts switched off"),
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),
     "places": ("clutter", "one place again, and a picture of it"),
 }
@@ -87,7 +90,6 @@ Parts = Annotated[
     list[str] | None,
     typer.Option("--piece", metavar="NAME", help="Only this part, or a pattern like 'P5*'; repeat for more."),
 ]
-Without = Annotated[str | None, typer.Option(metavar="NAME,NAME", help="Of clutter, attempts to switch off.")]
 
 
 @app.command(epilog="Exit codes: 0 all claims held, 1 one did not, 2 bad input, 130 interrupted.")
@@ -99,7 +101,6 @@ def run(
     rounds: Rounds = 1,
     record: Record = None,
     piece: Parts = None,
-    without: Without = None,
 ) -> None:
     """Measure."""
     from sinuous.base import checks  # noqa: PLC0415
@@ -107,8 +108,6 @@ def run(
     checks.choice("NAME", name, tuple(KNOWN))
     checks.integer("--seed", seed, 0, 2**31 - 1)
     checks.integer("--rounds", rounds, 1, 100)
-    if without is not None and name != "clutter":
-        raise InputError("--without", "is for clutter", without, f"nothing with {name}")
     if rounds > 1 and name != "wild":
         raise InputError("--rounds", "is for wild", rounds, f"nothing with {name}")
     from benchmarks.harness import Plan, conduct, ignore_suspicions, require  # noqa: PLC0415
@@ -116,14 +115,13 @@ def run(
     ignore_suspicions()
     require()
     try:
-        made = experiment(name, Plan(seed, quick, rounds), piece or (), () if without is None else without.split(","))
-        raise typer.Exit(conduct(made, out, record))
+        raise typer.Exit(conduct(experiment(name, Plan(seed, quick, rounds), piece or ()), out, record))
     except KeyboardInterrupt:
         typer.echo("benchmarks: interrupted before anything was measured", err=True)
         raise typer.Exit(INTERRUPTED) from None
 
 
-def experiment(name: str, plan: "Plan", parts: Sequence[str] = (), without: Sequence[str] = ()) -> "Experiment":
+def experiment(name: str, plan: "Plan", parts: Sequence[str] = ()) -> "Experiment":
     """Prepare an experiment, or some of its parts; what it needs is imported now.
 
     Parameters
@@ -132,22 +130,17 @@ def experiment(name: str, plan: "Plan", parts: Sequence[str] = (), without: Sequ
     plan : Plan
     parts : sequence of str
         Those to measure, also by patterns; none means all.
-    without : sequence of str
-        Attempts of the solver that are switched off, of `clutter` alone.
 
     Raises
     ------
     InputError
-        When there is no such part, or attempt.
+        When there is no such part.
     """
     from benchmarks.harness import Experiment  # noqa: PLC0415
 
     known = KNOWN[name]
     made: Any = getattr(import_module(f"benchmarks.{known.module}"), known.made)
-    if isinstance(made, Mapping):
-        whole = Experiment.of(name, plan, made)
-    else:
-        whole = made(plan, without=without) if without else made(plan)
+    whole = Experiment.of(name, plan, made) if isinstance(made, Mapping) else made(plan)
     return whole.only(parts) if parts else whole
 
 

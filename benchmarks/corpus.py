@@ -31,7 +31,7 @@ import typer
 
 import sinuous as sn
 from benchmarks import derivatives
-from benchmarks.harness import Alone, chosen, in_processes
+from benchmarks.harness import chosen, in_processes
 from benchmarks.judges.judge import wrong_in
 from benchmarks.motion import known, moving, p5
 from benchmarks.places import FAMILIES, Place, make
@@ -386,6 +386,7 @@ def read(file: Path) -> dict[str, Answers]:
 
 
 File = Annotated[Path, typer.Argument(help="Answers, of this machine.")]
+Alone = Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")]
 Pieces = Annotated[list[str] | None, typer.Option("--piece", help="Only this one, or those that a pattern fits.")]
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, help="Hold answers to the last bit to earlier ones.")

@@ -1,8 +1,8 @@
 """What all experiments share: lines and tables of them, parts and plans, processes, the frame around a run.
 
 From the ground up: one figure, with its goal and its times, and tables of these; the machine that figures come from;
-what an experiment is; work in as many processes as there are cores; the frame around every experiment (packages,
-journal, progress, interrupt, and where the results go); and the options that several commands have.
+what an experiment is; work in as many processes as there are cores; and the frame around every experiment (packages,
+journal, progress, interrupt, and where the results go).
 """
 
 import hashlib
@@ -18,7 +18,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import datetime
 from fnmatch import fnmatchcase
 from functools import cache, partial
@@ -28,10 +28,9 @@ from itertools import chain
 from multiprocessing.queues import SimpleQueue
 from pathlib import Path
 from time import perf_counter, thread_time
-from typing import Annotated, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-import typer
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from rich.console import Console
@@ -41,7 +40,6 @@ import benchmarks
 import sinuous
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.base.system import pool_of
-from sinuous.cli.options import check_writable
 from sinuous.kernels.compile import cores
 from sinuous.scene import sampling
 
@@ -175,13 +173,13 @@ def counted(
     good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
     times, note = Times.of([trial.seconds for trial in trials]), f"not within {limit:g} s: {missed}" if missed else ""
     yield Line(planned, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
-    yield refuted(false, what, trials)
+    yield refuted(false, what, {"": trials})
 
 
-def refuted(false: str, what: str, trials: Sequence[Trial]) -> Line:
-    """Count what a judge refutes."""
-    wrong = [f"{trial.number} ({trial.wrong})" for trial in trials if trial.wrong]
-    return Line(false, what, len(wrong), "", Goal(0, correctness=True), note=", ".join(wrong))
+def refuted(false: str, what: str, found: Mapping[str, Sequence[Trial]]) -> Line:
+    """Count what a judge refutes, and name it: by number, of kinds that have names also by these."""
+    named = [f"{name} {trial.number} ({trial.wrong})" for name, own in found.items() for trial in own if trial.wrong]
+    return Line(false, what, len(named), "", Goal(0, correctness=True), note=", ".join(named).strip())
 
 
 def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
@@ -352,15 +350,15 @@ class Experiment:
     parts : mapping of str to Divided
     protocol : str
         What is counted, and how it is timed, in a sentence for the head of the report.
-    settings : mapping
-        Plain values, all that the figures depend on besides machine, code, seed and size.
+    total : callable, optional
+        From what shares of all parts returned, by part, to the lines that sum these up.
     """
 
     name: str
     plan: Plan
     parts: Mapping[str, Divided]
     protocol: str = ""
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    total: Callable[[Mapping[str, list[Any]]], Iterable[Line]] | None = None
 
     @classmethod
     def of(cls, name: str, plan: Plan, measured: Mapping[str, Part]) -> "Experiment":
@@ -382,11 +380,12 @@ class Experiment:
 
     def lines(self, pieces: Mapping[str, Any]) -> list[Line]:
         """Sum up all parts of which something was measured, from the results of pieces by their names."""
-        lines: list[Line] = []
+        found = {}
         for name, part in self.parts.items():
-            there = [pieces[piece] for piece in _names(name, part) if piece in pieces]
-            lines += part.summed(there) if there else []
-        return lines
+            if there := [pieces[piece] for piece in _names(name, part) if piece in pieces]:
+                found[name] = there
+        lines = [line for name, there in found.items() for line in self.parts[name].summed(there)]
+        return [*lines, *self.total(found)] if found and self.total is not None else lines
 
 
 def chosen(names: Sequence[str], patterns: Sequence[str]) -> frozenset[str]:
@@ -624,7 +623,7 @@ def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
         "experiment": experiment.name,
         "seed": experiment.plan.seed,
         "quick": experiment.plan.quick,
-        **experiment.settings,
+        "protocol": experiment.protocol,
         **{key: value for key, value in facts.items() if key not in MOMENTARY},
         "code": code_version(),
     }
@@ -656,23 +655,3 @@ def report(
 
 def _say(message: str) -> None:
     sys.stderr.write(f"benchmarks: {message}\n")
-
-
-def _writable(file: Path | None) -> Path | None:
-    if file is not None:
-        check_writable("--record", file)
-    return file
-
-
-Record = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the table there, too.", callback=_writable)]
-Alone = Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")]
-
-
-def give(name: str, facts: dict[str, str], text: str, record: Path | None) -> None:
-    """Print a text below what was measured where: machine and versions, then these facts, a line each; and keep it."""
-    own = describe()
-    shown = {key: own[key] for key in ("date", "processor", "python", "sinuous", "numba")} | facts
-    text = "\n".join(f"- {key}: {value}" for key, value in shown.items()) + f"\n\n{text}\n"
-    typer.echo(text, nl=False)
-    if record is not None:
-        record.write_text(f"# {name}\n\n{text}", encoding="utf-8")

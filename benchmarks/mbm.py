@@ -9,7 +9,7 @@ asked to be.
 import gzip
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from statistics import median
@@ -20,7 +20,7 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness import Alone, Record, Times, give, in_processes, table
+from benchmarks.harness import Divided, Experiment, Line, Plan, Times, Trial, conduct, in_processes, refuted, require
 from benchmarks.judges.judge import right, wrong_in
 from benchmarks.problems import tip_targets
 from benchmarks.ways import measured
@@ -47,6 +47,10 @@ PUBLISHED = (
     "1.1 ms at worst; with simplification 99, 442 us and 1.2 ms. Its Panda has a hand; this one ends at its flange."
 )
 
+PLANNED = f"planned within {LIMIT:g} s, and found valid by the judges"
+COSTS = "length of the path"
+FALSE = "plans called solved that a judge finds wrong"
+
 Problem = dict[str, Any]
 
 
@@ -59,20 +63,11 @@ class Asked(NamedTuple):
     goal: sn.Target | Floats
 
 
-class Trial(NamedTuple):
-    """What came of a problem: how it ended, whether that is right, seconds of CPU time, and the length of the path."""
+class Planned(NamedTuple):
+    """What came of a problem, and the length of the path."""
 
-    scenario: str
-    number: int
-    status: str
-    wrong: str
-    seconds: float
-    cost: float
-
-    @property
-    def solved(self) -> bool:
-        """Whether it was called solved in time."""
-        return self.status == "solved" and self.seconds <= LIMIT
+    trial: Trial
+    cost: float = math.nan
 
 
 @cache
@@ -136,27 +131,26 @@ def _read(file: Path) -> list[Problem]:
         return [json.loads(line) for line in lines]
 
 
-def examine(robot: str, seed: int, given: tuple[str, Problem]) -> Trial:
+def examine(robot: str, seed: int, problem: Problem) -> Planned:
     """Plan one problem, and judge the plan."""
-    scenario, problem = given
-    motions = []
+    motions, number = [], problem["problem"]
     for _ in range(RUNS):
         asked = ROBOTS[robot](problem)
         start: sn.Solution | Floats
         if isinstance(asked.start, sn.Target):
             start = sn.solve(asked.robot, asked.start, asked.scene, seed=seed)
             if not start.solved:
-                return Trial(scenario, problem["problem"], f"start {start.status}", "", math.nan, math.nan)
+                return Planned(Trial(number, math.inf, f"start {start.status}"))
         else:
             start = asked.start
         if why := _outside(asked):
-            return Trial(scenario, problem["problem"], why, "", math.nan, math.nan)
+            return Planned(Trial(number, math.inf, why))
         plan = partial(sn.plan, time=PATIENCE * LIMIT, seed=seed)
         motions.append(measured(plan, asked.robot, start, asked.goal, asked.scene))
     motion = motions[0][0]
     wrong = _wrong(asked, motion) if motion.solved else ""
     cost = float(distances(asked.robot, motion.configuration).sum())
-    return Trial(scenario, problem["problem"], str(motion.status), wrong, median(spent for _, spent in motions), cost)
+    return Planned(Trial(number, median(spent for _, spent in motions), str(motion.status), wrong), cost)
 
 
 def _outside(asked: Asked) -> str:
@@ -177,21 +171,29 @@ def _wrong(asked: Asked, motion: sn.Motion) -> str:
     return wrong_in(asked.robot, asked.scene, motion.configuration)
 
 
-def tables(trials: Sequence[Trial]) -> str:
-    """Return a table by scenario, and what others published."""
-    headings = ["scenario", "solved", "valid", "total", "median, ms", "p95", "worst", "cost, median", "p95"]
-    cells = [headings]
-    for scenario in [*dict.fromkeys(trial.scenario for trial in trials), "all"]:
-        own = [trial for trial in trials if scenario in (trial.scenario, "all")]
-        good = [trial for trial in own if trial.solved]
-        counts = (len(good), sum(not trial.wrong for trial in good), len(own))
-        times = Times.of([1e3 * trial.seconds for trial in good] or [math.nan])
-        costs = Times.of([trial.cost for trial in good] or [math.nan])
-        figures = (times.median, times.p95, times.worst, costs.median, costs.p95)
-        cells.append([scenario, *map(str, counts), *(f"{figure:.3g}" for figure in figures)])
-    missed = [f"{t.scenario} {t.number} ({t.wrong or t.status})" for t in trials if t.wrong or not t.solved]
-    parts = [table(cells), *([f"Not solved, or not valid: {', '.join(missed)}."] if missed else []), PUBLISHED]
-    return "\n\n".join(parts)
+def scenario(robot: str, plan: Plan, problems: Sequence[Problem]) -> list[Planned]:
+    """Plan the problems of a scenario."""
+    return list(in_processes(partial(examine, robot, plan.seed), problems, alone=plan.quick))
+
+
+def lines_of(name: str, shares: Sequence[Sequence[Planned]]) -> Iterator[Line]:
+    """Sum up a scenario: what is planned in time, and how long its paths are; times are those of such plans."""
+    planned = [each for share in shares for each in share]
+    good = [each for each in planned if each.trial.good(LIMIT)]
+    missed = [f"{trial.number} ({trial.wrong or trial.status})" for trial, _ in planned if not trial.good(LIMIT)]
+    times = Times.of([each.trial.seconds for each in good] or [math.nan])
+    solved, note = (len(good), len(planned)), f"not solved, or not valid: {', '.join(missed)}" if missed else ""
+    yield Line(PLANNED, name, 100.0 * len(good) / len(planned), "%", None, times, solved, note)
+    costs = Times.of([each.cost for each in good] or [math.nan])
+    yield Line(COSTS, f"{name}, median", costs.median, "m")
+    yield Line(COSTS, f"{name}, 95 %", costs.p95, "m")
+
+
+def total_of(found: Mapping[str, Sequence[Sequence[Planned]]]) -> Iterator[Line]:
+    """Sum up all scenarios, and count false claims."""
+    yield from lines_of("all", [share for shares in found.values() for share in shares])
+    trials = {name: [each.trial for share in shares for each in share] for name, shares in found.items()}
+    yield refuted(FALSE, "all", trials)
 
 
 def run(
@@ -199,21 +201,24 @@ def run(
     robot: Annotated[str, typer.Option(help=f"At the place of the Panda: {', '.join(ROBOTS)}.")] = "continuum",
     count: Annotated[int, typer.Option(help="Problems of each scenario, at most.")] = 10_000,
     seed: Annotated[int, typer.Option(help="Of the planner.")] = 0,
-    alone: Alone = False,
-    record: Record = None,
+    quick: Annotated[bool, typer.Option("--quick", help="One problem of each scenario, in this process.")] = False,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Folder of journal and results.")] = None,
+    record: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Also keep the report there.")] = None,
 ) -> None:
     """Plan problems of MotionBenchMaker; the exit code is 1 when a plan was wrong."""
     checks.choice("--robot", robot, tuple(ROBOTS))
     checks.integer("--count", count, 1, 10_000)
     checks.integer("--seed", seed, 0, 2**31 - 1)
-    facts = {
-        "robot": robot,
-        "seed": str(seed),
-        "protocol": f"CPU time of one call of `sn.plan`, the middle one of {RUNS}, each in a scene of its own; solved "
-        f"within {LIMIT:g} s; valid as the judges find it",
-        "cost": "length of the path, in m: a change of a bend counts by the length of what it moves",
+    require()
+    plan = Plan(seed, quick)
+    parts = {
+        name: Divided([partial(scenario, robot, plan, problems[: plan.count(count, 1)])], partial(lines_of, name))
+        for name, problems in read_scenarios(folder).items()
     }
-    given = [(name, each) for name, problems in read_scenarios(folder).items() for each in problems[:count]]
-    trials = list(in_processes(partial(examine, robot, seed), given, alone=alone))
-    give("mbm", facts, tables(trials), record)
-    raise typer.Exit(int(any(trial.wrong for trial in trials)))
+    protocol = (
+        f"{robot}, at most {count} problems of each scenario of {folder}; CPU time of one call of sn.plan, the middle "
+        f"one of {RUNS}, each in a scene of its own; valid as the judges find it; the length of a path counts a change "
+        f"of a bend by the length of what it moves. {PUBLISHED}"
+    )
+    name = "mbm" if robot == "continuum" else f"mbm_{robot}"
+    raise typer.Exit(conduct(Experiment(name, plan, parts, protocol, total_of), out, record))

@@ -1,4 +1,4 @@
-"""`python -m benchmarks ways NAME`: places solved in several ways, which take turns, each held against another.
+"""`ablation`, `demanded`, `remembered`, `explored`: places solved in several ways, each held against another.
 
 What counts is the CPU time of the thread, so that other work on the machine hardly matters. Answers count when the
 judges find them right.
@@ -7,22 +7,20 @@ judges find them right.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from statistics import fmean, median
+from statistics import median
 from time import thread_time
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import typer
 
 import sinuous as sn
-from benchmarks.harness import Alone, Record, chosen, give, in_processes, table, timed
+from benchmarks.harness import Divided, Experiment, Line, Plan, Times, Trial, in_processes, refuted, timed
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.judge import wrong_in
 from benchmarks.motion.known import straight
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import feasible, right
 from benchmarks.problems import tip_targets
-from sinuous.base import checks
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.motion.plan import Goal
@@ -41,22 +39,32 @@ LOST, LONGER, LEAST = 0.01, 0.1, 2e-3
 """From which on a way moves a family: share of its places that is lost; growth of its 95 %, as a share, and in s."""
 
 
-class Row(NamedTuple):
-    """One problem, in one way: whether it is solved, in time and right; whether a claim is false; and CPU time, s."""
-
-    family: str
-    way: str
-    solved: bool
-    wrong: bool
-    seconds: float
+Found = tuple[str, Trial]
+"""In which way, and what came of it in CPU time."""
 
 
 class Ways(NamedTuple):
-    """What is compared: in words; rows of a family, from a seed and a count; and what each way is held against."""
+    """What is compared.
 
-    about: str
-    examined: Callable[[str, int, int], Iterator[Row]]
+    Attributes
+    ----------
+    examined : callable
+        From a run and a place to what came of each way there.
+    against : mapping of str to str
+        What each way is held against.
+    places : int
+        Places of a family.
+    within : float
+        CPU time in which a problem has to be solved, in seconds.
+    whole : bool
+        Whether all families are asked, and told together alone; else those without joints, each by itself, too.
+    """
+
+    examined: Callable[[Plan, Place], Iterator[Found]]
     against: Mapping[str, str]
+    places: int
+    within: float
+    whole: bool = False
 
 
 measured = partial(timed, clock=thread_time)
@@ -65,24 +73,25 @@ measured = partial(timed, clock=thread_time)
 EVERYTHING = "everything"
 
 
-def without_attempts(family: str, seed: int, count: int) -> Iterator[Row]:
-    """Solve places of a family with all attempts of the solver, and with one after the other switched off."""
-    for number in range(1000 * seed, 1000 * seed + count):
-        place = make(family, number)
-        whole, opened = _ablated(place, EVERYTHING)
-        for way in WAYS["ablation"].against:  # what the first call solves knows no attempts
-            yield whole._replace(way=way) if opened or way == EVERYTHING else _ablated(place, way)[0]
+def without_attempts(_: Plan, place: Place) -> Iterator[Found]:
+    """Solve a place with all attempts of the solver, and with one after the other switched off."""
+    whole, opened = _ablated(place, EVERYTHING)
+    for way in WAYS["ablation"].against:  # what the first call solves knows no attempts
+        yield way, whole if opened or way == EVERYTHING else _ablated(place, way)[0]
 
 
-def _ablated(place: Place, way: str) -> tuple[Row, bool]:
+def _ablated(place: Place, way: str) -> tuple[Trial, bool]:
     without = () if way == EVERYTHING else (way.removeprefix("without "),)
     solver = Solver(place.robot, place.scene, tolerance=place.tolerance, time=PATIENCE * LIMIT, without=without)
     solver.solve(place.targets)
     solution, spent = measured(solver.solve, place.targets)
-    fine = solution.solved and right(place, solution.configuration)
-    solved = fine and spent <= LIMIT
     opened = solution.solved and solution.start != SOURCES[ROUTE] and solution.starts <= OPENING
-    return Row(place.family, way, solved, solution.solved and not fine, spent if solved else LIMIT), opened
+    return _judged(place, solution, spent), opened
+
+
+def _judged(place: Place, solution: sn.Solution, spent: float) -> Trial:
+    wrong = solution.solved and not right(place, solution.configuration)
+    return Trial(place.seed, spent, str(solution.status), "refuted" * wrong)
 
 
 SHARE, TRACE = 0.5, 1e-6
@@ -92,33 +101,32 @@ TURNS = 8
 """Solves in each way, of which the least counts."""
 
 
-def demanding(family: str, seed: int, count: int) -> Iterator[Row]:
-    """Solve places of a family with a clearance demanded, and by a body that is thicker by as much, in turns.
+def demanding(_: Plan, place: Place) -> Iterator[Found]:
+    """Solve a place with a clearance demanded, and by a body that is thicker by as much, in turns.
 
     The hidden shape keeps what is demanded. A millionth of the radius demanded is held against the problem without. An
     answer counts where judges find it as clear as was demanded.
     """
-    for number in range(1000 * seed, 1000 * seed + count):
-        place = make(family, number)
-        robot, hidden = place.robot, least_clearance(place.robot, place.scene, place.hidden_q[None])[0]
-        clearance, trace = SHARE * max(0.0, float(hidden)), TRACE * max(robot.radii)
-        thicker = [each.changed(radius=each.radius + clearance) for each in robot.segments]
-        asked = {
-            "as ever": (robot, 0.0),
-            "a trace demanded": (robot.changed(clearance=trace), trace),
-            "thicker": (robot.changed(segments=thicker), clearance),
-            "demanded": (robot.changed(clearance=clearance), clearance),
-        }
-        solvers = [
-            (way, Solver(own, place.scene, tolerance=place.tolerance, time=PATIENCE * LIMIT), least)
-            for way, (own, least) in asked.items()
-        ]
-        turns = [[measured(solver.solve, place.targets) for _, solver, _ in solvers] for _ in range(TURNS)]
-        for (way, _, least), found in zip(solvers, zip(*turns, strict=True), strict=True):
-            solution, spent = found[0][0], min(spent for _, spent in found)
-            fine = solution.solved and right(place, solution.q)
-            fine = fine and least_clearance(robot, place.scene, solution.q[None])[0] >= least * (1.0 - 1e-9)
-            yield Row(family, way, fine and spent <= LIMIT, solution.solved and not fine, spent)
+    robot, hidden = place.robot, least_clearance(place.robot, place.scene, place.hidden_q[None])[0]
+    clearance, trace = SHARE * max(0.0, float(hidden)), TRACE * max(robot.radii)
+    thicker = [each.changed(radius=each.radius + clearance) for each in robot.segments]
+    asked = {
+        "as ever": (robot, 0.0),
+        "a trace demanded": (robot.changed(clearance=trace), trace),
+        "thicker": (robot.changed(segments=thicker), clearance),
+        "demanded": (robot.changed(clearance=clearance), clearance),
+    }
+    solvers = [
+        (way, Solver(own, place.scene, tolerance=place.tolerance, time=PATIENCE * LIMIT), least)
+        for way, (own, least) in asked.items()
+    ]
+    turns = [[measured(each.solve, place.targets) for way, each, least in solvers] for turn in range(TURNS)]
+    for (way, _solver, least), found in zip(solvers, zip(*turns, strict=True), strict=True):
+        solution, spent = found[0][0], min(spent for _, spent in found)
+        trial = _judged(place, solution, spent)
+        if solution.solved and least_clearance(robot, place.scene, solution.q[None])[0] < least * (1.0 - 1e-9):
+            trial = trial._replace(wrong="less clearance than is demanded")
+        yield way, trial
 
 
 SHORTEST, LONGEST = 1e-3, 0.5
@@ -149,17 +157,18 @@ def targets_about(place: Place, count: int, rng: np.random.Generator) -> Iterato
                 return
 
 
-def remembering(family: str, seed: int, count: int) -> Iterator[Row]:
+REMEMBERED, EXPLORED, QUICK = 100, 20, 1
+"""Targets in each place, with a memory and in an explored one; and in a quick run."""
+
+
+def remembering(plan: Plan, place: Place) -> Iterator[Found]:
     """Ask many targets of a place, with a memory and without: of feasible shapes a random walk from the hidden one."""
-    place = make(family, seed)
-    others = list(targets_about(place, count, np.random.default_rng(seed)))
+    others = list(targets_about(place, plan.count(REMEMBERED, QUICK), np.random.default_rng(place.seed)))
     for way, memory in zip(WAYS["remembered"].against, (sn.Memory(place.robot), None), strict=True):
         solver = sn.Solver(place.robot, place.scene, memory=memory, tolerance=place.tolerance)
         solver.solve(place.targets)
         for other in others:
-            solution, spent = measured(solver.solve, other.targets)
-            fine = solution.solved and right(other, solution.q)
-            yield Row(family, way, fine, solution.solved and not fine, spent)
+            yield way, _judged(other, *measured(solver.solve, other.targets))
 
 
 SECONDS, EXPLORING, ROUNDS = 5.0, 3600.0, 50
@@ -182,13 +191,12 @@ def elsewhere(place: Place) -> Floats | None:
     return None
 
 
-def exploring(family: str, seed: int, count: int) -> Iterator[Row]:
-    """Plan into one place, explored from where the robot waits and from a solved shape, or not; the judges look.
+def exploring(plan: Plan, place: Place) -> Iterator[Found]:
+    """Plan into a place, explored from where the robot waits and from a solved shape, or not; the judges look.
 
     It waits straight, or, where that is not clear, in a shape that reaches a place away from the hidden tip; nothing
     where none is found. Plans lead to the hidden shape and to feasible targets about it.
     """
-    place = make(family, seed)
     robot, scene, tolerance = place.robot, place.scene, place.tolerance
     start: Floats | None = straight(robot)
     plain = sn.Planner(robot, scene, time=SECONDS, tolerance=tolerance)
@@ -200,104 +208,105 @@ def exploring(family: str, seed: int, count: int) -> Iterator[Row]:
     sn.Solver(robot, scene, memory=memory, tolerance=tolerance).solve(place.targets)
     explore(robot, scene, time=EXPLORING, rounds=ROUNDS, memory=memory, starts=start, workers=1)
     walker = sn.Planner(robot, scene, memory=memory.reading(), time=SECONDS, tolerance=tolerance)
-    others = targets_about(place, count, np.random.default_rng(seed))
+    others = targets_about(place, plan.count(EXPLORED, QUICK), np.random.default_rng(place.seed))
     goals: list[Goal] = [place.hidden_q, *(list(other.targets) for other in others)]
     for way, planner in zip(WAYS["explored"].against, (walker, plain), strict=True):
         planner.plan(start, goals[-1])  # what is kept of the memory is made by the first plan
         for goal in goals:
             motion, spent = measured(planner.plan, start, goal)
-            wrong = motion.solved and bool(wrong_in(robot, scene, motion.q))
-            yield Row(family, way, motion.solved and not wrong, wrong, spent)
+            wrong = wrong_in(robot, scene, motion.q) if motion.solved else ""
+            yield way, Trial(place.seed, spent, str(motion.status), wrong)
 
 
 ONE_OFF = (f"without {name}" for name in ATTEMPTS if name != "remembered")  # there is no memory
 
 WAYS = {
     "ablation": Ways(
-        "each attempt of the solver switched off", without_attempts, dict.fromkeys([EVERYTHING, *ONE_OFF], EVERYTHING)
+        without_attempts, dict.fromkeys([EVERYTHING, *ONE_OFF], EVERYTHING), places=3, within=LIMIT, whole=True
     ),
     "demanded": Ways(
-        "a clearance that is demanded, and a body that is thicker by as much",
         demanding,
         {"as ever": "as ever", "a trace demanded": "as ever", "thicker": "thicker", "demanded": "thicker"},
+        places=5,
+        within=LIMIT,
     ),
     "remembered": Ways(
-        "many targets in one place, with a memory and without",
-        remembering,
-        {"with a memory": "without", "without": "without"},
+        remembering, {"with a memory": "without", "without": "without"}, places=2, within=PATIENCE * LIMIT
     ),
-    "explored": Ways(
-        "plans into a place that was explored, and without that",
-        exploring,
-        {"explored": "not explored", "not explored": "not explored"},
-    ),
+    "explored": Ways(exploring, {"explored": "not explored", "not explored": "not explored"}, places=2, within=SECONDS),
 }
 """What is compared, by name."""
 
-
-def table_of(rows: Sequence[Row], against: Mapping[str, str], by_family: bool = True) -> str:
-    """Return a table: how often and how quickly each way solves, and its time as a part of that of another."""
-    headings = ["family", "way", "solved", "wrong", "mean, ms", "median", "p95", "worst", "against", "its time", "p95"]
-    cells = [[*headings, "families that it moves"]]
-    families = list(dict.fromkeys(row.family for row in rows))
-    for family in [*families * by_family, "all"]:
-        own = {way: [row for row in rows if row.way == way and family in (row.family, "all")] for way in against}
-        for way, found in own.items():
-            if not found:
-                continue
-            spent = [1e3 * row.seconds for row in found]
-            times = [fmean(spent), *np.quantile(spent, [0.5, 0.95, 1.0]).tolist()]
-            pairs = [(a, b) for a, b in zip(own[against[way]], found, strict=False) if a.solved and b.solved]
-            ratios = [b.seconds / a.seconds for a, b in pairs] or [np.nan]
-            moved = [_moved(each, rows, way, against[way]) for each in families] if family == "all" else []
-            cell = [
-                family,
-                way,
-                f"{sum(row.solved for row in found)}/{len(found)}",
-                str(sum(row.wrong for row in found)),
-            ]
-            cell += [*(f"{value:.3g}" for value in times), against[way], f"{median(ratios):.3f}"]
-            cells.append([*cell, f"{float(np.quantile(ratios, 0.95)):.2f}", ", ".join(filter(None, moved))])
-    return table(cells, words=True)
+EACH, ALL, FALSE = "each family", "all families", 'wrong claims: "solved" where a judge disagrees'
 
 
-def _moved(family: str, rows: Sequence[Row], way: str, other: str) -> str:
-    """How a way matters in a family: how many more places are lost with it, or how much longer 95 % take."""
-    with_it, without = ([row for row in rows if (row.family, row.way) == (family, each)] for each in (way, other))
-    lost = sum(row.solved for row in without) - sum(row.solved for row in with_it)
-    if lost > LOST * len(without):
-        return f"{family} ({lost} lost)"
-    before, after = (float(np.quantile([row.seconds for row in own] or [0.0], 0.95)) for own in (without, with_it))
-    return f"{family} (x {after / before:.1f})" if after - before > max(LEAST, LONGER * before) else ""
-
-
-def _rows(name: str, seed: int, count: int, family: str) -> list[Row]:
-    return list(WAYS[name].examined(family, seed, count))
-
-
-def run(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME", help="; ".join(f"{k}: {v.about}" for k, v in WAYS.items()) + ".")
-    ],
-    piece: Annotated[
-        list[str] | None, typer.Option(metavar="FAMILY", help="Only this family, or a pattern; repeat for more.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of the places.")] = 0,
-    count: Annotated[int, typer.Option(help="Places, or targets in one place, of each family.")] = 60,
-    alone: Alone = False,
-    record: Record = None,
-) -> None:
-    """Compare ways to solve places, family by family; the exit code is 1 when a claim was wrong."""
-    checks.choice("NAME", name, tuple(WAYS))
-    checks.integer("--seed", seed, 0, 2**31 // 1000 - 1)
-    checks.integer("--count", count, 1, 10_000)
-    fitting = chosen(list(FAMILIES), piece or ["*"])
-    work = partial(_rows, name, seed, count)
-    families = [each for each in FAMILIES if each in fitting and (name == "ablation" or not FAMILIES[each].joints)]
-    rows = [row for some in in_processes(work, families, alone=alone) for row in some]
-    facts = {
-        "seed": str(seed),
-        "protocol": f"{count} places or targets of each family; CPU time of the thread; solved within {LIMIT:g} s",
+def _compare(name: str, plan: Plan) -> Experiment:
+    """Compare ways to solve places; a part is a family."""
+    ways, first = WAYS[name], 1000 * plan.seed
+    numbers = range(first, first + plan.count(ways.places, 1))
+    parts = {
+        family: Divided([partial(examine, name, plan, family, numbers)], partial(lines_of, name, family))
+        for family, own in FAMILIES.items()
+        if ways.whole or not own.joints
     }
-    give(f"ways {name}", facts, table_of(rows, WAYS[name].against, name != "ablation"), record)
-    raise typer.Exit(int(any(row.wrong for row in rows)))
+    protocol = (
+        f"places 1000 * seed + i of each family, i below {len(numbers)}; CPU time of the thread; counted is what says "
+        f"solved within {ways.within:g} s and the judges find right"
+    )
+    return Experiment(name, plan, parts, protocol, partial(total_of, name))
+
+
+ablation, demanded, remembered, explored = (partial(_compare, name) for name in WAYS)
+
+
+def examine(name: str, plan: Plan, family: str, numbers: range) -> list[Found]:
+    """Examine places of a family in all ways."""
+    found = in_processes(partial(_examined, name, plan, family), numbers, alone=plan.quick)
+    return [each for some in found for each in some]
+
+
+def _examined(name: str, plan: Plan, family: str, number: int) -> list[Found]:
+    return list(WAYS[name].examined(plan, make(family, number)))
+
+
+def lines_of(name: str, family: str, shares: Sequence[Sequence[Found]]) -> Iterator[Line]:
+    """Sum up the ways in one family, where each is told by itself."""
+    for way, (trials, other) in _paired(name, shares).items() if not WAYS[name].whole else ():
+        yield _line(name, EACH, f"{family}, {way}", trials, other)
+
+
+def total_of(name: str, found: Mapping[str, Sequence[Sequence[Found]]]) -> Iterator[Line]:
+    """Sum up the ways in all families, say which of these each moves, and count wrong claims."""
+    by_family = {family: _paired(name, shares) for family, shares in found.items()}
+    for way, (trials, other) in _paired(name, [share for shares in found.values() for share in shares]).items():
+        line = _line(name, ALL, way, trials, other)
+        moved = [_moved(family, *own[way], WAYS[name].within) for family, own in by_family.items() if way in own]
+        yield replace(line, note="; ".join(filter(None, [line.note, ", ".join(filter(None, moved))])))
+    judged = {family: [trial for share in shares for _, trial in share] for family, shares in found.items()}
+    yield refuted(FALSE, "all", judged)
+
+
+def _paired(name: str, shares: Sequence[Sequence[Found]]) -> dict[str, tuple[list[Trial], list[Trial]]]:
+    """What came of each way, and, problem by problem, of that which it is held against."""
+    own = {way: [t for share in shares for each, t in share if each == way] for way in WAYS[name].against}
+    return {way: (trials, own[WAYS[name].against[way]]) for way, trials in own.items() if trials}
+
+
+def _line(name: str, section: str, what: str, trials: Sequence[Trial], other: Sequence[Trial]) -> Line:
+    """How often and how quickly a way solves, and, in the note, its time as a part of that of the other."""
+    within = WAYS[name].within
+    good, times = sum(trial.good(within) for trial in trials), Times.of([trial.seconds for trial in trials])
+    pairs = zip(trials, other, strict=True)
+    ratios = [a.seconds / b.seconds for a, b in pairs if a.good(within) and b.good(within)] or [np.nan]
+    told = f"takes {median(ratios):.3g} of the time of the other, {np.quantile(ratios, 0.95):.3g} for 95 %"
+    note = "" if trials is other else told
+    return Line(section, what, 100.0 * good / len(trials), "%", None, times, (good, len(trials)), note)
+
+
+def _moved(family: str, trials: Sequence[Trial], other: Sequence[Trial], within: float) -> str:
+    """How a way matters in a family: how many more places are lost with it, or how much longer 95 % take."""
+    lost = sum(trial.good(within) for trial in other) - sum(trial.good(within) for trial in trials)
+    if lost > LOST * len(other):
+        return f"{family} ({lost} lost)"
+    after, before = (Times.of([trial.seconds for trial in own]).p95 for own in (trials, other))
+    return f"{family} (x {after / before:.1f})" if after - before > max(LEAST, LONGER * before) else ""

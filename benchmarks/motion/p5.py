@@ -188,7 +188,7 @@ def measure(plan: Plan, segments: int, density: int, to_target: bool = False) ->
         tasks = [task._replace(shortcuts=10) for task in tasks]
         shorter = list(in_processes(examine, tasks, alone=plan.quick))
         yield Line(SHORTENED, what, median(trial.seconds for trial in shorter), "ms")
-        yield refuted(FALSE, what + ", shortened", shorter)
+        yield refuted(FALSE, f"{what}, shortened", {"": shorter})
 
 
 def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iterator[Line]:

@@ -396,18 +396,6 @@ SCANNED_TRAPS = (
 )
 MESHED = ("square bore", "door out", "door in", "door beside", "two doors", "cells", "folded")
 
-_PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
-    "p3": (fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
-    "p4 direction": (
-        partial(extensible, whole=False),
-        "four scenes of balls, 3 to 6 extensible segments, position and direction",
-    ),
-    "p4 pose": (
-        partial(extensible, whole=True),
-        "four scenes of balls, 3 to 6 extensible segments, position and rotation",
-    ),
-}
-
 
 def _for(robots: Callable[[int, Generator], Robot], traps: Traps) -> dict[str, tuple[Draw, str]]:
     """Traps as they are drawn for these robots."""

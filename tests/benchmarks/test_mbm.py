@@ -28,12 +28,11 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_problems_are_planned_and_judged(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record = folder / "mbm.txt"
-    assert main(["mbm", str(folder), "--alone", "--record", str(record)]) == 0
+    assert main(["mbm", str(folder), "--quick", "--out", str(folder / "out"), "--record", str(folder)]) == 0
     text = capsys.readouterr().out
     rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| ")]
-    assert [row[1:5] for row in rows[2:]] == [["post", "1", "1", "1"], ["all", "1", "1", "1"]]
-    assert record.read_text().endswith(text)
+    assert [(row[1], row[5]) for row in rows if "/" in row[5]] == [("post", "1/1"), ("all", "1/1")]
+    assert (folder / "mbm.txt").read_text() == f"# mbm\n\n{text}"
 
 
 def test_a_plan_through_an_obstacle_is_found_out(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,10 +41,10 @@ def test_a_plan_through_an_obstacle_is_found_out(folder: Path, monkeypatch: pyte
 
     monkeypatch.setattr(sn, "plan", blind)
     (problem,) = mbm.read_scenarios(folder)["post"]
-    assert mbm.examine("continuum", 0, ("post", problem)).wrong == "overlap"
-    assert main(["mbm", str(folder), "--alone"]) == 1
+    assert mbm.examine("continuum", 0, problem).trial.wrong == "overlap"
+    assert main(["mbm", str(folder), "--quick", "--out", str(folder / "out")]) == 1
 
 
 def test_the_panda_itself_is_planned_and_judged(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["mbm", str(folder), "--robot", "panda", "--alone"]) == 0
+    assert main(["mbm", str(folder), "--robot", "panda", "--quick", "--out", str(folder / "out")]) == 0
     assert "panda" in capsys.readouterr().out

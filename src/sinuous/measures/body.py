@@ -138,12 +138,16 @@ def arc_poses(q: Floats, pieces: int, begin: Floats | float = 0.0) -> Floats:
 
 
 def segment_ends(robot: Robot, q: Floats) -> Floats:
-    """Poses (n + 1, 4, 4) of the base and of the ends of all segments; of a joint or a link, of what comes next."""
-    poses = [robot.base]
-    for row, step in zip(robot.rows, arc_poses(q, 1)[:, 1], strict=True):
-        end = poses[-1] @ step
+    """Poses (..., n + 1, 4, 4) of the base and of the ends of all segments in configurations (..., n, 3).
+
+    Of a joint or a link, of what comes next.
+    """
+    steps = arc_poses(q.reshape(-1, 3), 1)[:, 1].reshape(*q.shape[:-1], 4, 4)
+    poses = [np.broadcast_to(robot.base, (*q.shape[:-2], 4, 4))]
+    for k, row in enumerate(robot.rows):
+        end = poses[-1] @ steps[..., k, :, :]
         poses.append(end @ row.tail if isinstance(row, RigidRow) else end)
-    return np.stack(poses)
+    return np.stack(poses, axis=-3)
 
 
 def free_shares(robot: Robot, lengths: Floats) -> tuple[Floats, NDArray[np.bool_]]:

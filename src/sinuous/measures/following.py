@@ -1,7 +1,7 @@
 """How far a body is off a curve that it should follow, by sampling; and the way between knots, looked at densely.
 
-Ways are linear in q; it is looked how near the body comes to obstacles and to itself. Kinematics are those of SciPy's
-rotations, distances those of `obstacles`.
+Ways are linear in q; it is looked how near the body comes to obstacles and to itself. Kinematics are those of `body`,
+distances those of `obstacles`.
 """
 
 import math
@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from sinuous.base.arguments import Rows
 from sinuous.base.checks import Floats
 from sinuous.base.frozen import call
-from sinuous.measures.body import Meeting, free_shares, nearest_pair, places_of
+from sinuous.measures.body import Meeting, arc_poses, free_shares, nearest_pair, places_of, segment_ends
 from sinuous.measures.obstacles import measure, seen_from, that_matter
-from sinuous.model.joints import RigidRow
 from sinuous.model.robot import Robot
 from sinuous.problem.path import Curve
 from sinuous.scene.snapshot import Snapshot
@@ -29,9 +28,6 @@ TOGETHER = 200_000
 
 HERE = 1e-6
 """What is nearer to the base begins there, in lengths of the robot."""
-
-SMALL = 1e-6
-"""Bends below which series stand for quotients."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,31 +107,9 @@ def backbones(robot: Robot, q: Floats, begin: Floats) -> tuple[Floats, Floats]:
 
     They are evenly spaced on every segment from the share `begin` (T, n) of it up to its end.
     """
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415
-
-    frame = Rotation.from_matrix(np.broadcast_to(robot.base[:3, :3], (len(q), 3, 3)))
-    start = np.broadcast_to(robot.base[:3, 3], (len(q), 3))
-    points, tangents = np.empty((2, *q.shape[:2], PLACES + 1, 3))
-    for k in range(q.shape[1]):
-        shares = begin[:, k, None] + (1.0 - begin[:, k, None]) * np.linspace(0.0, 1.0, PLACES + 1)
-        bend, length = q[:, k, :2], q[:, k, 2]
-        angle = np.hypot(bend[:, 0], bend[:, 1])[:, None] * shares
-        straight = angle < SMALL
-        safe = np.where(straight, 1.0, angle)
-        ahead = np.where(straight, 1.0 - angle**2 / 6.0, np.sin(safe) / safe)
-        aside = np.where(straight, 0.5, (1.0 - np.cos(safe)) / safe**2)
-        local = np.stack([shares**2 * aside * bend[:, i, None] for i in (0, 1)] + [shares * ahead], axis=-1)
-        along = np.stack([shares * ahead * bend[:, i, None] for i in (0, 1)] + [np.cos(angle)], axis=-1)
-        turn = frame.as_matrix()
-        points[:, k] = start[:, None] + np.einsum("tij,tsj->tsi", turn, length[:, None, None] * local)
-        tangents[:, k] = np.einsum("tij,tsj->tsi", turn, along)
-        start = points[:, k, -1]
-        frame = frame * Rotation.from_rotvec(np.stack([-bend[:, 1], bend[:, 0], np.zeros(len(q))], axis=-1))
-        row = robot.rows[k]
-        if isinstance(row, RigidRow):
-            start = start + frame.apply(np.array(row.tail[:3, 3]))
-            frame = frame * Rotation.from_matrix(np.array(row.tail[:3, :3]))
-    return points, tangents
+    steps = arc_poses(q.reshape(-1, 3), PLACES, begin.ravel()).reshape(*q.shape[:2], PLACES + 1, 4, 4)
+    poses = segment_ends(robot, q)[:, :-1, None] @ steps
+    return poses[..., :3, 3], poses[..., :3, 2]
 
 
 STRIDE = 0.01

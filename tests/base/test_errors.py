@@ -75,6 +75,9 @@ def test_every_noun_and_verb_says_what_it_lacks(name: str, public: Any) -> None:
         (lambda: CALLED.solve(ROBOT, (0, 0, 90), tol=1), "tol", "did you mean 'tolerance'?"),
         (lambda: CALLED.plan(ROBOT, [[0, 0, 50]] * 2, (0, 0, 90), sede=1), "sede", "did you mean 'seed'?"),
         (lambda: CALLED.Scene([]).update(raduis=2), "raduis", "did you mean 'radius'?"),
+        (lambda: CALLED.Solver(ROBOT).solve(), "target", "missing; expected a value"),
+        (lambda: CALLED.Solver(ROBOT).solve((0, 0, 90), guess=1), "guess", "did you mean initial"),
+        (lambda: CALLED.Solver(ROBOT).step(ROBOT.straight, rate=1), "rate", "did you mean 'rates'?"),
         (lambda: CALLED.studies.reach(ROBOT, spacin=1), "spacin", "did you mean 'spacing'?"),
     ],
 )

@@ -78,9 +78,9 @@ def each(begin: str, ends: dict[str, str]) -> dict[str, str]:
 
 
 CALLS = {
-    "solve": "FILE: missing; expected Problem files, YAML or JSON.",
-    "new tendon": "FILE: missing; expected The file to write.",
-    "batch easy.yaml --targets targets.csv": "--out: missing; expected Table of results to write: .csv",
+    "solve": "FILE: missing; expected problem files, YAML or JSON\n",
+    "new tendon": "FILE: missing; expected the file to write\n",
+    "batch easy.yaml --targets targets.csv": "--out: missing; expected table of results to write: .csv",
     "slove a.yaml": "slove: unknown command; did you mean 'solve'?\n",
     "go a.yaml": "go: unknown command; expected one of solve, track, ",
     "view easy.yaml a b": "view: more than it takes; expected FILE, got 'a b'\n",

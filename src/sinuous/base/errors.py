@@ -261,8 +261,8 @@ def answers_attributes(**instead: str) -> Callable[[type[Kind]], type[Kind]]:
     return around
 
 
-HOT = {"Solver.solve", "Solver.step", "Solution.__init__"}
-"""What is called so often that no call around it explains its keywords: Python says what is wrong."""
+HOT = {"Solution.__init__"}
+"""What every solve calls, and no user: no call around it explains its keywords."""
 
 MEANT = {
     "obstacles": "scene, the obstacles as a list or a Scene",

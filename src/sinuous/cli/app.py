@@ -359,7 +359,8 @@ def _refusal(name: str, error: Any) -> str:
         wanted = WANTED.get(first["type"].partition("_")[0], first["msg"].removeprefix("Input should be "))
         refused = InputError(_label(param), "", first["input"], wanted)
     elif param is not None and message.startswith("Missing"):
-        refused = InputError(_label(param), "", None, param.help or "a value")
+        wanted = (param.help or "a value").rstrip(".")
+        refused = InputError(_label(param), "", None, wanted[0].lower() + wanted[1:])
     elif option is not None and context is not None:
         typed = [name for each in context.command.get_params(context) for name in each.opts + each.secondary_opts]
         known = [name for name in typed if name.startswith("-")]

@@ -94,24 +94,18 @@ def _is_diagonal(m: Mat) -> bool:
 def extend(reach: Reach, columns: Array, k: int, L: Mat, mean: Vec) -> tuple[Reach, Mat, Mat]:
     """What the robot can do with one more segment that moves by `mean`, and `B_k L_k` as `_spread` has it.
 
-    Where no limit binds there is half as much to multiply: stretching a segment turns nothing; a joint moves in one
-    coordinate, and a link in none.
+    Where no limit binds there is half as much to multiply: stretching a segment turns nothing.
     """
     A, B, C, turned, moved = reach
     if mean[0] != 0.0 or mean[1] != 0.0 or mean[2] != 0.0:
         turned = add(turned, _mix(mean, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
         moved = add(moved, _mix(mean, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
     if _is_diagonal(L) and columns[k, 12] == 0.0 and columns[k, 13] == 0.0 and columns[k, 14] == 0.0:
-        x = y = u = v = w = ZERO
-        if L[0][0] != 0.0:
-            x, u = scale(L[0][0], get_vec(columns, k, 0)), scale(L[0][0], get_vec(columns, k, 3))
-            A, B, C = add_outer(A, x, x), add_outer(B, x, u), add_outer(C, u, u)
-        if L[1][1] != 0.0:
-            y, v = scale(L[1][1], get_vec(columns, k, 6)), scale(L[1][1], get_vec(columns, k, 9))
-            A, B, C = add_outer(A, y, y), add_outer(B, y, v), add_outer(C, v, v)
-        if L[2][2] != 0.0:
-            w = scale(L[2][2], get_vec(columns, k, 15))
-            C = add_outer(C, w, w)
+        x, y = scale(L[0][0], get_vec(columns, k, 0)), scale(L[1][1], get_vec(columns, k, 6))
+        u, v = scale(L[0][0], get_vec(columns, k, 3)), scale(L[1][1], get_vec(columns, k, 9))
+        w = scale(L[2][2], get_vec(columns, k, 15))
+        A, B = add_outer(add_outer(A, x, x), y, y), add_outer(add_outer(B, x, u), y, v)
+        C = add_outer(add_outer(add_outer(C, u, u), v, v), w, w)
         return (_even(A), B, _even(C), turned, moved), (x, y, ZERO), (u, v, w)
     turn, move = _spread(columns, k, transpose(L))
     return (_even(_gram(A, turn, turn)), _gram(B, turn, move), _even(_gram(C, move, move)), turned, moved), turn, move

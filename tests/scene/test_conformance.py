@@ -108,8 +108,11 @@ FIELDS: dict[str, Callable[[], Case]] = {
     "sphere": lambda: primitive(sn.Sphere(CENTER, 0.9)),
     "room": lambda: primitive(sn.Sphere(CENTER, 1.5, inside=True)),
     "box": lambda: primitive(sn.Box(CENTER, (1.0, 0.5, 1.5), TURN)),
+    "hall": lambda: primitive(sn.Box(CENTER, (3.0, 2.0, 2.5), TURN, inside=True)),
     "capsule": lambda: primitive(sn.Capsule(CENTER, CENTER + TURN[0], 0.4)),
+    "capsule of no length": lambda: primitive(sn.Capsule(CENTER, CENTER, 0.4)),
     "cylinder": lambda: primitive(sn.Cylinder(CENTER, CENTER + TURN[0], 0.4)),
+    "drum": lambda: primitive(sn.Cylinder(CENTER - TURN[0], CENTER + TURN[0], 1.4, inside=True)),
     "half-space": lambda: primitive(sn.HalfSpace(CENTER, TURN[1])),
     "ball of triangles": lambda: by_triangles(sn.Mesh(*placed(shapes.ball(3)))),
     "cube of triangles": lambda: by_triangles(sn.Mesh(*placed(shapes.cube()))),
@@ -130,6 +133,7 @@ FIELDS: dict[str, Callable[[], Case]] = {
 }
 EXACT = [name for name in FIELDS if name not in ("sampled distances", "function")]
 SAMPLED = [name for name in FIELDS if name not in EXACT]
+AROUND = ("room", "hall", "drum", "mesh around")
 CASES: dict[str, Case] = {}
 
 
@@ -175,6 +179,7 @@ def test_the_scene_says_the_truth(name: str) -> None:
         assert (d <= true + 1e-12).all()
     else:
         np.testing.assert_allclose(d, true, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(measure(case(name).obstacle, points), true, rtol=1e-9, atol=1e-9)
     assert (d < 0).any() or not case(name).truth(np.concatenate([around(4, 500), points])).min() < 0
 
 
@@ -202,6 +207,27 @@ def test_gradients_are_unit_and_the_slope(name: str) -> None:
         smooth &= abs(forward - 2 * here + back) < 1e-3 * h  # no kink within the stencil
     assert smooth.mean() > 0.9
     np.testing.assert_allclose(slopes[smooth], gradients[smooth], atol=2e-3)
+
+
+UPRIGHT = [
+    sn.Sphere((0, 0, 0), 1.0),
+    sn.Box((0, 0, 0), (2, 2, 2)),
+    sn.Capsule((0, 0, -1), (0, 0, 1), 0.5),
+    sn.Capsule((0, 0, 0), (0, 0, 0), 0.5),
+    sn.Cylinder((0, 0, -1), (0, 0, 1), 1.0),
+    sn.HalfSpace((0, 0, 0), (0, 0, 1)),
+]
+
+
+@with_each("obstacle", UPRIGHT)
+def test_centers_axes_faces_edges_and_corners_have_unit_gradients_too(obstacle: Obstacle) -> None:
+    """Where several answers are right and NaN is none."""
+    scene, steps = sn.Scene([obstacle]), (-2.0, -1.0, -0.5, -1e-9, 0.0, 1e-9, 0.5, 1.0, 2.0)
+    points = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
+    values, gradients = scene.distance(points), scene.gradient(points)
+    assert np.isfinite(values).all()
+    np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 1.0, atol=1e-12)
+    assert (scene.distance(points + 1e-7 * gradients) <= values + 1e-7 + 1e-15).all()
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -278,17 +304,20 @@ def test_samples_alone_prove_less_but_not_much_less(name: str) -> None:
     """Within their box the bound is below the truth by no more than the way to the nearest sample, twice."""
     points = around(20, 2000)
     points = points[(abs(points - CENTER) < [1.2, 1.2, 0.5]).all(axis=1)]
-    lost = case(name).truth(points) - ask(name, points, 2)[:, 0]
     assert len(points) > 200
-    assert lost.max() <= math.sqrt(3.0) * case(name).spacing
-    assert np.median(lost) < 0.6 * case(name).spacing
+    for seen in (ask(name, points, 2)[:, 0], measure(case(name).obstacle, points)):
+        lost = case(name).truth(points) - seen
+        assert -1e-12 <= lost.min() <= lost.max() <= math.sqrt(3.0) * case(name).spacing
+        assert np.median(lost) < 0.6 * case(name).spacing
 
 
 def test_all_together_are_their_union() -> None:
-    cases = [case(name) for name in FIELDS if name not in ("room", "mesh around", "sampled distances")]
+    cases = [case(name) for name in FIELDS if name not in (*AROUND, "sampled distances")]
     scene = sn.Scene([each.obstacle for each in cases])
     points = np.concatenate([around(21, 300), around(22, 50, far=True)])
     each = np.stack([c.truth(points) for c in cases])
     np.testing.assert_allclose(scene.distance(points), each.min(axis=0), rtol=1e-9, atol=1e-9)
     chosen = np.take_along_axis(each, scene.nearest(points)[None], axis=0)[0]
     np.testing.assert_allclose(chosen, each.min(axis=0), rtol=1e-9, atol=1e-9)
+    gradients = np.stack([sn.Scene([each.obstacle]).gradient(points) for each in cases])
+    np.testing.assert_array_equal(scene.gradient(points), gradients[scene.nearest(points), np.arange(len(points))])

@@ -22,16 +22,6 @@ OBSTACLES = [
 SCENE = sn.Scene(OBSTACLES)
 
 
-def test_the_union_is_as_far_as_its_nearest() -> None:
-    points = 3.0 * np.random.default_rng(0).normal(size=(300, 3))
-    each = np.stack([sn.Scene([obstacle]).distance(points) for obstacle in OBSTACLES])
-    np.testing.assert_array_equal(SCENE.distance(points), each.min(axis=0))
-    np.testing.assert_array_equal(SCENE.nearest(points), each.argmin(axis=0))
-    gradients = np.stack([sn.Scene([obstacle]).gradient(points) for obstacle in OBSTACLES])
-    np.testing.assert_array_equal(SCENE.gradient(points), gradients[each.argmin(axis=0), np.arange(300)])
-    assert set(each.argmin(axis=0)) == {0, 1, 2, 3}
-
-
 @with_each("lead", [(), (5,), (2, 3), (0,), (2, 0)])
 def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
     points = np.random.default_rng(1).normal(size=(*lead, 3))

@@ -9,9 +9,8 @@ import igl
 import numpy as np
 import pytest
 
-from sinuous.kernels.fields import blocks, grids, trees
+from sinuous.kernels.fields import grids, trees
 from sinuous.kernels.fields.deviation import _largest
-from sinuous.kernels.fields.discs import DISC_SIZE, enclose
 from sinuous.kernels.fields.grids import SampleGrid
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
@@ -75,34 +74,6 @@ def gap(kind: int, items: Floats, points: Floats) -> float:
         squares = igl.point_mesh_squared_distance(points, items[:, :9].reshape(-1, 3), faces)[0]
         return math.sqrt(squares.min())
     return min(float(each(kind, items, p).min()) for p in points)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("count", [1, 2, 4, 5, 37, 200])
-def test_the_closest_is_the_closest_of_all(kind: int, count: int) -> None:
-    rng = np.random.default_rng(count)
-    store, tree, items = planted(kind, draw(kind, count, rng))
-    for p in rng.normal(size=(40, 3)) * rng.choice([0.5, 1.0, 10.0], (40, 1)):
-        true = each(kind, items, p)
-        found, lifted = trees.closest(store, tree, vec(p), math.inf)
-        assert trees.unlift(lifted) == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
-        assert true[found] == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
-
-
-@pytest.mark.parametrize("kind", [TRIANGLES, BALLS])
-def test_the_closest_to_each_point_of_a_block_is_the_closest_of_all(kind: int) -> None:
-    rng = np.random.default_rng(0)
-    drawn = with_planes(rng.normal(size=(60, 3, 3))) if kind == TRIANGLES else draw(kind, 60, rng)
-    store, tree, items = planted(kind, drawn)
-    discs = np.zeros((2 << tree.levels if kind == TRIANGLES else 0, DISC_SIZE))
-    if kind == TRIANGLES:
-        enclose(store, tree, discs)
-    points, work = rng.normal(size=(blocks.LANES, 3)), np.empty(blocks.WORKSPACE)
-    work[: points.size] = points.T.ravel()
-    blocks.closest(store, tree, discs, 0, work)
-    for p, found in zip(points, work[blocks.FOUND :].astype(int), strict=True):
-        true = each(kind, items, p)
-        assert true[found] == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
 
 
 def test_a_triangle_is_farthest_from_another_one_at_a_corner() -> None:
@@ -193,12 +164,3 @@ def test_rounding_adds_nothing_where_the_set_is() -> None:
         for p in (place, place + 1e-9 * rng.normal(size=3)):
             corners, t, _ = grids.look_up(numbers, grid(), vec(p))
             assert grids.set_distance(corners, t, SPACING) <= np.linalg.norm(p - place) + 1e-13
-
-
-def test_bounds_hold_for_every_distance() -> None:
-    """Also for one that is not that of a set, like a smaller one."""
-    numbers = store(0.5 * np.abs(np.sin(2.0 * NODES)).min(axis=1))
-    for p in points(9, 300):
-        corners, t, _ = grids.look_up(numbers, grid(), vec(p))
-        true = 0.5 * np.abs(np.sin(2.0 * p)).min()
-        assert grids.at_least(corners, t, SPACING) <= true + 1e-12 <= grids.at_most(corners, t, SPACING) + 2e-12

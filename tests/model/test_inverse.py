@@ -56,6 +56,8 @@ def test_there_and_back_for_hundreds_of_robots() -> None:
         scale = np.array([1.0, 1.0, robot.mean_length])
         np.testing.assert_allclose(robot.from_actuators(values, initial) / scale, q / scale, atol=1e-9, rtol=0.0)
         alone += determined
+        elsewhere = robot.from_actuators(values, np.ones_like(q))
+        np.testing.assert_allclose(robot.to_actuators(elsewhere), values, atol=1e-9 * robot.mean_length)
         if not determined:
             refused("initial", partial(robot.from_actuators, values), "length of s")
     assert 40 < alone < 160

@@ -1,4 +1,4 @@
-"""Joints before the first segment, held against matrix exponentials and the Denavit-Hartenberg table of a Panda."""
+"""Joints before the first segment, held against matrix exponentials."""
 
 import math
 from collections.abc import Iterator
@@ -10,35 +10,9 @@ from scipy.linalg import expm
 
 import sinuous as sn
 from sinuous.model.joints import Fixed, Joint
-from tests.helpers import Floats, as_matrix, random_pose, random_unit, refused, refused_each, skew, twist_matrix
+from tests.helpers import Floats, random_pose, random_unit, refused, refused_each, skew, twist_matrix
 
 BODY: list[Any] = [{"from": [0.1, 0.0, 0.2], "to": [0.3, -0.2, 0.1], "radius": 0.05}, ((0, 0, 0), (0, 0, 0), 0.1)]
-
-PANDA = [  # a_{i-1}, d_i, alpha_{i-1}: modified Denavit-Hartenberg (Craig)
-    (0.0, 0.333, 0.0),
-    (0.0, 0.0, -math.pi / 2),
-    (0.0, 0.316, math.pi / 2),
-    (0.0825, 0.0, math.pi / 2),
-    (-0.0825, 0.384, -math.pi / 2),
-    (0.0, 0.0, math.pi / 2),
-    (0.088, 0.0, math.pi / 2),
-]
-
-
-def link(a: float, d: float, alpha: float) -> Floats:
-    """Where a joint of the table is in the frame of the link before it, at value 0."""
-    c, s = math.cos(alpha), math.sin(alpha)
-    return np.array([[1, 0, 0, a], [0, c, -s, -d * s], [0, s, c, d * c], [0, 0, 0, 1.0]])
-
-
-def about_z(angle: float) -> Floats:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
-
-
-def panda(**whole: object) -> sn.Robot:
-    joints: list[Joint] = [sn.Revolute(limits=(-2.9, 2.9), origin=link(*row)) for row in PANDA]
-    return sn.Robot(joints=[*joints, Fixed((0, 0, 0.107))], **whole)  # type: ignore[arg-type]
 
 
 def moved(joint: Joint, value: float) -> Floats:
@@ -93,17 +67,6 @@ def test_the_tip_is_the_product_of_exponentials() -> None:
         np.testing.assert_allclose(points[-1 - 4 * (len(q) - 1)], ends[-len(q), :3, 3], atol=1e-13)
 
 
-def test_a_panda_is_where_its_table_says() -> None:
-    robot, rng = panda(), np.random.default_rng(1)
-    for _ in range(5):
-        values = rng.uniform(-2.9, 2.9, 7)
-        pose = np.eye(4)
-        for row, value in zip(PANDA, values.tolist(), strict=True):
-            pose = pose @ link(*row) @ about_z(value)
-        pose = pose @ as_matrix(np.eye(3), (0, 0, 0.107))
-        np.testing.assert_allclose(robot.tip(None, values), pose, atol=1e-14)
-
-
 def test_configurations_are_put_together_and_taken_apart() -> None:
     for robot, joints, q in robots():
         many = np.stack([joints, joints + 0.1, joints])
@@ -117,7 +80,10 @@ def test_configurations_are_put_together_and_taken_apart() -> None:
         named = dict(reversed([*zip(robot.joint_names, joints.tolist(), strict=True)]))
         np.testing.assert_array_equal(robot.configuration("initial", (named, q)), robot.with_joints(q, named))
         np.testing.assert_array_equal(robot.with_joints(q, named), robot.with_joints(q, joints))
-    assert panda().with_joints(None, np.zeros((4, 7))).shape == (4, len(panda()), 3)
+    alone, values = sn.Robot(joints=[sn.Revolute(), sn.Prismatic()]), np.full((4, 2), 0.3)
+    whole = alone.with_joints(None, values)
+    assert whole.shape == (4, len(alone), 3)
+    np.testing.assert_array_equal(alone.tip(None, values), alone.tip(whole))
 
 
 def test_a_robot_without_joints_takes_its_configuration_alone() -> None:
@@ -158,11 +124,13 @@ def test_joints_that_cannot_be_are_refused() -> None:
     refused("rate", lambda: sn.Revolute(rate=0))
     refused_each("body[0]", [[3], [{"from": (0, 0, 0)}], [(1, 2)]], lambda value: sn.Revolute(body=value))
     refused("body[0].radius", lambda: sn.Revolute(body=[((0, 0, 0), (0, 0, 1), 0)]))
+    refused("body[0].color", lambda: sn.Revolute(body=[{**BODY[0], "color": 3}]))
     refused("body[0].form", lambda: sn.Revolute(body=[{"form": 3}]), "from")
     refused("joints[1].touches[0]", lambda: sn.Robot(joints=[sn.Revolute(name="a"), sn.Revolute(touches=["b"])]))
     refused("joints[1].name", lambda: sn.Robot(joints=[sn.Revolute(name="a"), sn.Revolute(name="a")]), "joints[0]")
     refused("segments[0].name", lambda: sn.Robot([sn.Segment(1)], joints=[sn.Revolute(name="s1")]), "joints[0]")
-    refused("joints[0]", lambda: sn.Robot(joints=[3]))  # type: ignore[list-item]
+    nothing: tuple[Any, ...] = 3, {"revolute": {}}, lambda: 0
+    refused_each("joints[0]", nothing, lambda value: sn.Robot(joints=[value]))
     refused("segments", lambda: sn.Robot(joints=[]))
 
 

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sinuous as sn
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from tests.helpers import Floats
 
 numbers = st.floats(-3.0, 3.0)
@@ -77,15 +76,3 @@ def test_excess_is_the_worst_violation(robot_and_q: tuple[sn.Robot, Floats]) -> 
     assert robot.excess(q) == pytest.approx(max((amount for _, _, amount in violations), default=0.0), abs=1e-10)
     assert all(1 <= segment <= len(robot) and amount > 0.0 for _, segment, amount in violations)
     assert robot.excess(np.stack([q, q])) == robot.excess(q)
-
-
-@given(posed)
-def test_values_of_actuators_lead_back_to_the_configuration(robot_and_q: tuple[sn.Robot, Floats]) -> None:
-    robot, q = robot_and_q
-    still = robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] == 0.0
-    q = np.where(still, [(0.0, 0.0, segment.length[0]) for segment in robot.segments], q)
-    values = robot.to_actuators(q)
-    np.testing.assert_allclose(robot.from_actuators(values, q), q, atol=1e-10)
-    np.testing.assert_allclose(values, robot.actuator_jacobian(q) @ q.ravel(), atol=1e-13)
-    elsewhere = robot.from_actuators(values, np.ones_like(q))
-    np.testing.assert_allclose(robot.to_actuators(elsewhere), values, atol=1e-10)

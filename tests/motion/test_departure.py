@@ -93,19 +93,6 @@ def test_a_motion_that_leaves_its_path_says_so() -> None:
     assert (again.status, again.left_steps) == (motion.status, motion.left_steps)
 
 
-def test_other_shapes_at_the_start_are_tried_before_a_path_is_left() -> None:
-    """Along two edges of a corner; from the shape that is found first, the last place is reached in another one."""
-    robot = sn.Robot.uniform(4, (80, 120), max_bend=2.0, radius=8.0)
-    places = [(43, -49, z) for z in (34, 42, 49, 57, 65, 73, 80, 88)]
-    places += [(47, -40, 92), *zip((55, 63, 70, 78, 86, 94, 101), range(-38, -31), [92] * 7, strict=True)]
-    path = [sn.Target(p, direction=(0.68, -0.27, 0.68) if p[2] < 90 else (0.21, -0.69, 0.69)) for p in places]
-    left, whole = (sn.track(robot, path, time=0.5, reconfigure=way) for way in ("allow", "refuse"))
-    assert left.left_steps
-    assert whole.solved
-    assert whole.verify().ok
-    assert len(whole.solutions) == len(path)
-
-
 def test_where_it_is_allowed_the_path_may_be_left() -> None:
     asked, motion = left(), sn.track(ROBOT, ACROSS, [PLATE], reconfigure="allow")
     assert motion.solved

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
 from tests.solver.test_loaded_solve import GRAVITY, ROD, Q, arm
 from tests.solver.test_loaded_solve import cosserat as rods
@@ -135,20 +134,9 @@ def test_the_loaded_body_follows_the_leader() -> None:
     free = sn.follow_the_leader(robot.changed(gravity=None, payload=None), CURVE, tip_deviation=1e-4)
     assert sn.Motion(robot, free.q[::10]).deviation(longer).shares["shape"] > 0.1, "nothing bends it"
     for i in (0, len(motion.q) // 2, -1):
-        ends = ends_of_rods(robot, motion.q[i])
+        standing = robot.changed(base=robot.base @ sn.pose((0.0, 0.0, motion.q[i, 0, 2])))
+        ends = rods(standing, motion.q[i, 1:])
         assert longer.distance(np.array(ends)[:, :3, 3]).max() < 0.01 * robot.mean_length
-
-
-def ends_of_rods(robot: sn.Robot, q: Floats) -> list[Floats]:
-    """Ends (3, 4, 4) of rods in the place of the body, which stands on the stage."""
-    base = robot.base.copy()
-    base[:3, 3] += q[0, 2] * base[:3, 2]
-    own = q[1:]
-    rests = np.stack([-own[:, 1] / own[:, 2], own[:, 0] / own[:, 2], np.zeros(3)], axis=-1)
-    loads = np.zeros((3, 6))
-    loads[-1, :3] = 0.005 * np.array(GRAVITY)
-    stiffness = np.array([[ROD.bend, ROD.twist, 1e6]] * 3)
-    return shoot(own[:, 2], stiffness, rests, np.tile(0.05 * np.array(GRAVITY), (3, 1)), loads, base)
 
 
 def test_the_loaded_body_unrolls_clear_of_an_obstacle_and_ends_in_a_solved_shape() -> None:

@@ -33,6 +33,14 @@ def turned(motion: sn.Motion) -> float:
     return worst
 
 
+def test_other_shapes_at_the_start_are_tried_before_a_path_is_left() -> None:
+    left, whole = (sn.track(ROBOT, CORNER, time=0.5, reconfigure=way) for way in ("allow", "refuse"))
+    assert left.left_steps
+    assert whole.solved
+    assert whole.verify().ok
+    assert len(whole.solutions) == len(CORNER)
+
+
 def test_the_robot_changes_its_shape_while_the_tip_stays() -> None:
     start = sn.track(ROBOT, CORNER, reconfigure="allow").q[0]
     motion = sn.track(ROBOT, CORNER, start=start)

@@ -87,19 +87,12 @@ def test_a_plan_to_a_shape_off_the_plane_is_refused_in_a_line() -> None:
         sn.plan(PLANAR, begin, away, time=1.0)
 
 
-def test_a_leader_in_its_plane_is_followed_there() -> None:
-    robot = sn.on_stage(PLANAR, 120.0)
-    curve = [np.array([*(along * ALONG), up]) for along, up in ((0, 0), (0, 30), (12, 70), (35, 95))]
-    motion = sn.follow_the_leader(robot, sn.Curve.bezier(curve), time=10.0, tip_deviation=1.0)
-    assert motion.solved
-    assert off("planar", motion.q[:, 1:]) <= 1e-9
-
-
-def test_a_leader_that_leaves_the_plane_is_not_followed() -> None:
-    robot = sn.on_stage(PLANAR, 120.0)
-    curve = [np.array([*(across * ACROSS), up]) for across, up in ((0, 0), (0, 30), (12, 70), (35, 95))]
-    motion = sn.follow_the_leader(robot, sn.Curve.bezier(curve), time=1.0, tip_deviation=1.0)
-    assert not motion.solved
+@pytest.mark.parametrize(("way", "followed"), [(ALONG, True), (ACROSS, False)])
+def test_a_leader_in_the_plane_is_followed_there_and_one_that_leaves_it_is_not(way: Floats, followed: bool) -> None:
+    curve = [np.array([*(aside * way), up]) for aside, up in ((0, 0), (0, 30), (12, 70), (35, 95))]
+    robot, budget = sn.on_stage(PLANAR, 120.0), 10.0 if followed else 1.0
+    motion = sn.follow_the_leader(robot, sn.Curve.bezier(curve), time=budget, tip_deviation=1.0)
+    assert motion.solved is followed
     assert off("planar", motion.q[:, 1:]) <= 1e-9
 
 

@@ -15,6 +15,11 @@ PULLED = sn.Robot(
     [sn.Segment(60.0, stiffness=2000.0, tendons=sn.Tendons(3, 4.0, stiffness=50.0, tension=(0.0, 6.0)))] * 2
 )
 
+PLANAR = sn.Robot(
+    [sn.Segment((40.0, 80.0), (-0.5, 1.2), plane=0.7), sn.Segment((40.0, 80.0), 1.6), sn.Segment(60.0, 1.6)]
+).locked({3: (0.6, -0.2, None)})
+KINDS = {"bends": ROBOT, "curvature": CURVED, "tendons": LIMITED, "tensions": PULLED, "planes and locks": PLANAR}
+
 
 def beyond(robot: sn.Robot, count: int) -> Floats:
     random = np.random.default_rng(2)
@@ -24,7 +29,7 @@ def beyond(robot: sn.Robot, count: int) -> Floats:
     return q
 
 
-@pytest.mark.parametrize("robot", [ROBOT, CURVED, LIMITED, PULLED], ids=["bends", "curvature", "tendons", "tensions"])
+@pytest.mark.parametrize("robot", KINDS.values(), ids=KINDS)
 def test_clamp_finds_the_nearest_within_all_limits(robot: sn.Robot) -> None:
     random, scale = np.random.default_rng(3), np.array([1.0, 1.0, robot.mean_length / len(robot)])
     q = beyond(robot, 12)
@@ -32,27 +37,10 @@ def test_clamp_finds_the_nearest_within_all_limits(robot: sn.Robot) -> None:
     for one, nearest in zip(q, found, strict=True):
         assert robot.violations(nearest) == []
         apart = np.linalg.norm((nearest - one) / scale)
-        for beside in nearest + random.normal(0.0, 0.02, (40, *one.shape)) * scale:
+        around = nearest + random.normal(0.0, 0.02, (40, *one.shape)) * scale
+        for beside in robot.drive.coordinates.project(around):
             assert robot.violations(beside) or np.linalg.norm((beside - one) / scale) > apart - 1e-9
     np.testing.assert_array_equal(robot.clamp(found), found)
-
-
-PLANAR = sn.Robot(
-    [sn.Segment((40.0, 80.0), (-0.5, 1.2), plane=0.7), sn.Segment((40.0, 80.0), 1.6), sn.Segment(60.0, 1.6)]
-).locked({3: (0.6, -0.2, None)})
-
-
-def test_clamp_keeps_planes_and_locks() -> None:
-    random, scale = np.random.default_rng(3), np.array([1.0, 1.0, PLANAR.mean_length / len(PLANAR)])
-    q = beyond(PLANAR, 12)
-    found = PLANAR.clamp(q)
-    np.testing.assert_allclose(found[:, 2], np.tile([0.6, -0.2, 60.0], (12, 1)), atol=1e-9)
-    for one, nearest in zip(q, found, strict=True):
-        assert PLANAR.violations(nearest) == []
-        apart = np.linalg.norm((nearest - one) / scale)
-        around = nearest + random.normal(0.0, 0.02, (40, *one.shape)) * scale
-        for beside in PLANAR.drive.coordinates.project(around):
-            assert PLANAR.violations(beside) or np.linalg.norm((beside - one) / scale) > apart - 1e-9
 
 
 @pytest.mark.parametrize("robot", [ROBOT, LIMITED, PULLED], ids=["bends", "tendons", "tensions"])

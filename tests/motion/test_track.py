@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 import sinuous as sn
 from sinuous.motion.knots import TipLine
 from tests.helpers import with_each
+from tests.motion.test_departure import ACROSS, PLATE, ROBOT
 
-ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
 CIRCLE = [
     sn.Target((2.0 * np.cos(angle), 2.0 * np.sin(angle), 2.5))
     for angle in np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
@@ -31,11 +31,6 @@ def test_every_waypoint_is_solved_and_verifies() -> None:
     assert track.clearance is not None
     assert 0.0 < track.clearance <= min(solution.clearance or 0.0 for solution in track.solutions)
     assert track.raise_for_status() is track
-
-
-PLATE = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))
-ACROSS = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
-"""A thin plate between two waypoints, each of which is clear of it."""
 
 
 def test_between_poses_the_tip_stays_on_the_line_and_turns_evenly() -> None:

@@ -1,17 +1,18 @@
-"""Robots with joints before the segments, judged by a kinematics of their own: exponentials of screws."""
+"""Robots with joints before the segments, judged by the kinematics of the benchmarks."""
 
 import json
 import math
 import zlib
 from collections.abc import Callable
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
 import sinuous as sn
+from benchmarks.judges.clearances import least_clearance
+from benchmarks.judges.kinematics import body_places, moving, tip_poses
+from benchmarks.judges.self_collision import look
 from sinuous.base.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.certificate.query import CLEARANCES, VERDICT
@@ -47,69 +48,23 @@ def rng_of(name: str) -> np.random.Generator:
     return np.random.default_rng(zlib.crc32(name.encode()))
 
 
-def screw(axis: Floats, theta: float, slides: bool) -> Floats:
-    twist = np.zeros((4, 4))
-    if slides:
-        twist[:3, 3] = axis
-    else:
-        x, y, z = axis
-        twist[:3, :3] = (0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)
-    return np.asarray(expm(theta * twist))
+def drawn(robot: sn.Robot, rng: np.random.Generator) -> Floats:
+    """A random configuration within all limits."""
+    arcs = [(*rng.uniform(-1.0, 1.0, 2), rng.uniform(*segment.length)) for segment in robot.segments]
+    values = [rng.uniform(*joint.limits) for joint in moving(robot.joints)]
+    return robot.with_joints(np.array(arcs).reshape(-1, 3), values)
 
 
-def arc(q: Floats) -> Floats:
-    twist = np.zeros((4, 4))
-    twist[:2, 2], twist[2, :2], twist[2, 3] = q[:2], -q[:2], q[2]
-    return np.asarray(expm(twist))
+def tip_of(robot: sn.Robot, q: Floats) -> Floats:
+    return tip_poses(robot, q[None])[0]
 
 
-def links_of(robot: sn.Robot, configuration: Floats) -> tuple[list[Floats], Floats]:
-    """Poses of the links after all joints, and of the tip, by exponentials."""
-    rigid = robot._rigid
-    values = iter((configuration[rigid.values, rigid.columns] - rigid.shifts).tolist())
-    at, links = robot.base, []
-    for joint in robot.joints:
-        at = at @ joint.origin
-        if not isinstance(joint, Fixed):
-            at = at @ screw(joint.axis, next(values), isinstance(joint, Prismatic))
-        links.append(at)
-    for row in configuration[len(rigid.rows) :]:
-        at = at @ arc(row)
-    return links, at @ robot.tool
+def self_gap_of(robot: sn.Robot, q: Floats) -> float:
+    return float(look(robot, q[None]).least[0])
 
 
-def places_of(robot: sn.Robot, configuration: Floats) -> list[tuple[int, Floats, float]]:
-    """Places of all bodies: number of the link (0 the base, last + 1 the segments), points (k, 3) and radius."""
-    links, _ = links_of(robot, configuration)
-    shares, found, number = np.linspace(0.0, 1.0, 40)[:, None], [], 0
-    for joint, pose in zip(robot.joints, links, strict=True):
-        number += not isinstance(joint, Fixed)
-        for start, end, radius in joint.body:
-            points = (1.0 - shares) * start + shares * end
-            found.append((number, points @ pose[:3, :3].T + pose[:3, 3], radius))
-    at = links[-1]
-    for k, row in enumerate(configuration[len(robot._rigid.rows) :]):
-        points = np.array([(at @ arc(share * row))[:3, 3] for share in shares[:, 0]])
-        found.append((number + 1 + (k > 0), points, robot.segments[k].radius))
-        at = at @ arc(row)
-    return found
-
-
-def least_self_gap(robot: sn.Robot, configuration: Floats) -> float:
-    """Least gap between links that are no neighbours, and between these and segments."""
-    gaps = [math.inf]
-    segments = robot._rigid.links + 1
-    for (i, p, r), (j, q, s) in combinations(places_of(robot, configuration), 2):
-        if abs(i - j) > 1 and i < segments:
-            gaps.append(np.linalg.norm(p[:, None] - q[None], axis=-1).min() - r - s)
-    return float(min(gaps))
-
-
-def clearance_of(robot: sn.Robot, configuration: Floats, centers: Floats, radius: float) -> float:
-    return min(
-        float(np.linalg.norm(points[:, None] - centers[None], axis=-1).min()) - radius - own
-        for _, points, own in places_of(robot, configuration)
-    )
+def clearance_of(robot: sn.Robot, q: Floats, scene: sn.Scene) -> float:
+    return float(least_clearance(robot, scene, q[None])[0])
 
 
 def panda(bodies: bool) -> sn.Robot:
@@ -121,10 +76,9 @@ def panda(bodies: bool) -> sn.Robot:
     return sn.Robot(joints=[*joints, Fixed((0.0, 0.0, 0.107))])
 
 
-def bronchoscope(tendons: bool = False) -> sn.Robot:
+def bronchoscope() -> sn.Robot:
     """Roll and feed, then three segments; the joints carry a shaft."""
-    lines = sn.Tendons(3, 1.5) if tendons else None
-    segments = [sn.Segment((18.0, 22.0), 1.8, radius=2.0, tendons=lines)] * 3
+    segments = [sn.Segment((18.0, 22.0), 1.8, radius=2.0)] * 3
     roll = Revolute((0.0, 0.0, 1.0), (-3.0, 3.0), name="roll")
     feed = Prismatic((0.0, 0.0, 1.0), (-20.0, 60.0), name="feed", body=[((0.0, 0.0, -40.0), (0.0, 0.0, -6.0), 3.0)])
     return sn.Robot(segments, joints=[roll, feed])
@@ -148,28 +102,6 @@ def made(name: str) -> sn.Robot:
     return panda(bodies=False) if name == "panda" else ROBOTS[name]()
 
 
-def drawn(robot: sn.Robot, rng: np.random.Generator) -> Floats:
-    """A random configuration within all limits."""
-    q = np.zeros((len(robot), 3))
-    for k, row in enumerate(robot.rows):
-        q[k, 2] = rng.uniform(*row.length)
-        if not row.rigid:
-            q[k, :2] = rng.uniform(-1.0, 1.0, 2)
-    rigid = robot._rigid
-    for joint, k, column, shift in zip(rigid.moving, rigid.values, rigid.columns, rigid.shifts, strict=True):
-        q[k, column] = rng.uniform(*joint.limits) + shift
-    return q
-
-
-@pytest.mark.parametrize("name", ROBOTS)
-def test_poses_are_those_of_screws_and_arcs(name: str) -> None:
-    robot, rng = made(name), rng_of(name)
-    for _ in range(20):
-        q = drawn(robot, rng)
-        assert robot.excess(q) == 0.0
-        np.testing.assert_allclose(robot.tip(q), links_of(robot, q)[1], atol=1e-12 * max(1.0, robot.longest))
-
-
 @pytest.mark.parametrize("name", ROBOTS)
 def test_jacobians_are_differences_of_poses(name: str) -> None:
     robot, rng = made(name), rng_of(name)
@@ -190,11 +122,11 @@ def test_poses_that_are_reached_are_found(name: str) -> None:
     robot, rng = made(name), rng_of(name)
     solver = sn.Solver(robot)
     for _ in range(12):
-        goal = links_of(robot, drawn(robot, rng))[1]
+        goal = tip_of(robot, drawn(robot, rng))
         found = solver.solve(sn.Target(goal[:3, 3], rotation=goal[:3, :3]))
         assert found.solved, found
         assert robot.excess(found.configuration) <= 1e-9
-        there = links_of(robot, found.configuration)[1]
+        there = tip_of(robot, found.configuration)
         assert np.linalg.norm(there[:3, 3] - goal[:3, 3]) <= 1.01e-3 * robot.mean_length
         assert found.verify().ok
 
@@ -210,7 +142,7 @@ def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None
     robot, rng = panda(bodies=True), rng_of("bodies")
     solved = 0
     for _ in range(10):
-        goal = links_of(robot, drawn(robot, rng))[1]
+        goal = tip_of(robot, drawn(robot, rng))
         centers = rng.uniform((-0.7, -0.7, 0.1), (0.7, 0.7, 1.0), (12, 3))
         centers = centers[np.linalg.norm(centers[:, :2], axis=1) > 0.25]
         scene = sn.Scene([sn.Sphere(center, 0.06) for center in centers])
@@ -219,8 +151,8 @@ def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None
             solved += 1
             assert found.clearance is not None
             assert found.self_clearance is not None
-            assert 0.0 < found.clearance <= clearance_of(robot, found.configuration, centers, 0.06) + 1e-3
-            assert 0.0 < found.self_clearance <= least_self_gap(robot, found.configuration) + 1e-2
+            assert 0.0 < found.clearance <= clearance_of(robot, found.configuration, scene) + 1e-3
+            assert 0.0 < found.self_clearance <= self_gap_of(robot, found.configuration) + 1e-2
             assert found.verify().ok
     assert solved >= 3
 
@@ -243,7 +175,8 @@ def with_bodies(name: str) -> sn.Robot:
 def test_motions_that_are_proved_clear_are_so_and_by_as_much(name: str) -> None:
     robot, rng, proved = with_bodies(name), rng_of(f"motions {name}"), 0
     centers = rng.uniform((-0.9, -0.9, 0.0), (0.9, 0.9, 1.2), (6, 3))
-    prover = Prover(robot, sn.Scene([sn.Sphere(center, 0.05) for center in centers]).snapshot())
+    scene = sn.Scene([sn.Sphere(center, 0.05) for center in centers])
+    prover = Prover(robot, scene.snapshot())
     for _ in range(12):
         p = drawn(robot, rng)
         ends = np.stack([p, p + 0.3 * rng.uniform() * (drawn(robot, rng) - p)])
@@ -253,8 +186,8 @@ def test_motions_that_are_proved_clear_are_so_and_by_as_much(name: str) -> None:
         proved += 1
         for t in np.linspace(0.0, 1.0, 9):
             q = (1.0 - t) * ends[0] + t * ends[1]
-            assert clearance_of(robot, q, centers, 0.05) >= answer[CLEARANCES + PROVED_BOUND] - 1e-9
-            assert least_self_gap(robot, q) >= answer[CLEARANCES + CLEARANCES_WIDTH + PROVED_BOUND] - 1e-9
+            assert clearance_of(robot, q, scene) >= answer[CLEARANCES + PROVED_BOUND] - 1e-9
+            assert self_gap_of(robot, q) >= answer[CLEARANCES + CLEARANCES_WIDTH + PROVED_BOUND] - 1e-9
     assert proved >= 3
 
 
@@ -268,7 +201,7 @@ def test_no_place_of_a_link_travels_farther_than_its_bound() -> None:
     for _ in range(5):
         one, other = drawn(robot, rng), drawn(robot, rng)
         bound = measure_rates(limits, one, other, np.zeros((len(one), MOTION_RATES_WIDTH)))
-        way = [places_of(robot, one + t * (other - one))[-1][1] for t in np.linspace(0.0, 1.0, 40)]
+        way = body_places(robot, one + np.linspace(0.0, 1.0, 40)[:, None, None] * (other - one), 40)[-1][1]
         travelled = np.linalg.norm(np.diff(way, axis=0), axis=-1).sum(axis=0).max()
         assert 0.0 < travelled <= bound
 
@@ -280,15 +213,15 @@ def test_a_plan_moves_all_links_past_obstacles() -> None:
     ends: list[Floats] = []
     while len(ends) < 2:
         q = drawn(robot, rng)
-        if clearance_of(robot, q, centers, 0.05) > 0.02 and least_self_gap(robot, q) > 0.02:
+        if clearance_of(robot, q, scene) > 0.02 and self_gap_of(robot, q) > 0.02:
             ends.append(q)
     motion = sn.plan(robot, ends[0], ends[1], scene, time=5.0)
     assert motion.solved, motion
     for one, other in zip(motion.configuration[:-1], motion.configuration[1:], strict=True):
         for share in np.linspace(0.0, 1.0, 9):
             q = (1.0 - share) * one + share * other
-            assert clearance_of(robot, q, centers, 0.05) > -1e-9
-            assert least_self_gap(robot, q) > -1e-9
+            assert clearance_of(robot, q, scene) > -1e-9
+            assert self_gap_of(robot, q) > -1e-9
     assert motion.verify().ok
 
 
@@ -303,27 +236,12 @@ def test_links_that_overlap_are_not_solved_and_touching_ones_may_be_allowed() ->
         third = Revolute((1.0, 0.0, 0.0), (1.5, 3.0), (0.0, 0.0, 0.1), name="c", body=body, touches=touches)
         return sn.Robot(joints=[first, second, third])
 
-    goal = links_of(arm(), full(arm(), (0.0, 1.57, 1.57)))[1]
+    goal = tip_of(arm(), arm().with_joints(None, (0.0, 1.57, 1.57)))
     target = sn.Target(goal[:3, 3], rotation=goal[:3, :3])
     held = sn.solve(arm(), target)
     assert not held.solved
     assert held.verify().self_clearance is not None
     assert sn.solve(arm("a"), target).solved
-
-
-def full(robot: sn.Robot, values: tuple[float, ...]) -> Floats:
-    q = np.array([(0.0, 0.0, 0.5 * sum(row.length)) for row in robot.rows])
-    q[robot._rigid.values, robot._rigid.columns] = np.array(values) + robot._rigid.shifts
-    return q
-
-
-def test_tendons_see_segments_alone() -> None:
-    robot, rng = bronchoscope(tendons=True), rng_of("tendons")
-    alone = sn.Robot(robot.segments)
-    count = len(robot._rigid.rows)
-    for _ in range(5):
-        q = drawn(robot, rng)
-        np.testing.assert_allclose(robot.to_actuators(q), alone.to_actuators(q[count:]), atol=1e-12)
 
 
 def test_limits_of_tendons_hold_behind_joints() -> None:
@@ -335,36 +253,15 @@ def test_limits_of_tendons_hold_behind_joints() -> None:
         q[-3:, :2] *= 0.3
         if robot.excess(q) > 0.0:
             continue
-        goal = links_of(robot, q)[1]
+        goal = tip_of(robot, q)
         found = solver.solve(sn.Target(goal[:3, 3], direction=goal[:3, 2]))
         assert found.solved, found
         assert np.abs(robot.to_actuators(found.configuration)).max() <= 1.5 + 1e-9
 
 
-@pytest.mark.parametrize(
-    ("joints", "said"), [([3], "joints\\[0\\]"), ([{"revolute": {}}], "joints\\[0\\]"), ([lambda: 0], "joints\\[0\\]")]
-)
-def test_what_is_no_joint_is_refused(joints: list[object], said: str) -> None:
-    with pytest.raises(sn.InputError, match=said):
-        sn.Robot([sn.Segment(1.0)], joints=joints)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("body", "key"),
-    [
-        ([{"from": (0, 0, 0), "to": (0, 0, 1)}], "body\\[0\\]"),
-        ([((0, 0, 0), (0, 0, 1), -1.0)], "radius"),
-        ([{"from": (0, 0, 0), "to": (0, 0, 1), "radius": 1.0, "color": 3}], "color"),
-    ],
-)
-def test_bodies_are_checked(body: list[object], key: str) -> None:
-    with pytest.raises(sn.InputError, match=key):
-        Revolute(body=body)  # type: ignore[arg-type]
-
-
 def test_answers_have_joints_beside_segments(tmp_path: Path) -> None:
     robot = bronchoscope()
-    goal = links_of(robot, full(robot, (0.4, 20.0)))[1]
+    goal = tip_of(robot, robot.with_joints([[0.0, 0.0, 20.0]] * 3, (0.4, 20.0)))
     found = sn.solve(robot, sn.Target(goal[:3, 3], direction=goal[:3, 2]))
     assert found.solved
     assert found.q.shape == (3, 3)

@@ -53,7 +53,7 @@ def cosserat(robot: sn.Robot, q: Floats) -> list[Floats]:
     rests = np.array([[-y / length, x / length, 0.0] for x, y, length in q])
     weights = np.tile(0.05 * np.array(GRAVITY), (len(q), 1))
     loads = np.zeros((len(q), 6))
-    loads[-1, :3] = 0.01 * np.array(GRAVITY)
+    loads[-1, :3] = robot.payload[0].mass * np.array(GRAVITY)
     stiffness = np.array([[ROD.bend, ROD.twist, 1e6]] * len(q))
     return shoot(q[:, 2], stiffness, rests, weights, loads, robot.base)
 

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from benchmarks.places.parts import hollow, open_tube, solid
 from sinuous import Box, Cylinder, Robot, Scene, Segment, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tubes import BRANCH, MOUTH, NO_TUBE, WALL, find_tubes, follow_tube
+from sinuous.kernels.tubes import BRANCH, NO_TUBE, WALL, find_tubes, follow_tube
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver.routing.tubes import rims_of
 from tests.helpers import Floats, random_pose
@@ -44,21 +44,6 @@ def curve(seed: int, samples: int) -> Floats:
         shares = np.linspace(0.0, 1.0, samples + 1)[1:]
         frames.extend(shorter.tip(np.vstack([BENT[:k], share * coordinates])) for share in shares)
     return np.array(frames)
-
-
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("width", [1.15, 1.6, 2.2])
-def test_the_axis_of_a_bent_pipe_lies_in_its_middle_and_ends_at_its_mouth(width: float, seed: int) -> None:
-    poses = curve(seed, 12)
-    wall = open_tube(poses, width * RADIUS, (width + 0.8) * RADIUS)
-    points, ended = followed(Scene([solid(wall, "pipe")]), poses[0])
-    assert ended == MOUTH
-    gaps, _ = cKDTree(curve(seed, 120)[:, :3, 3]).query(points)
-    assert np.max(gaps) <= 0.5 * RADIUS
-    assert np.linalg.norm(points[-1] - poses[-1, :3, 3]) <= 1.6 * RADIUS
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    assert steps.min() >= 0.5 * RADIUS
-    assert steps.max() <= 1.5 * RADIUS
 
 
 def test_a_pipe_that_is_closed_ends_at_a_wall() -> None:
@@ -107,7 +92,7 @@ def gap(place: Floats, other: Floats) -> float:
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("width", [1.3, 1.8])
+@pytest.mark.parametrize("width", [1.15, 1.6, 2.2])
 def test_a_bent_pipe_is_found_from_mouth_to_mouth(width: float, seed: int) -> None:
     poses = curve(seed, 12)
     ((axis, through),) = found([solid(open_tube(poses, width * RADIUS, (width + 0.8) * RADIUS), "pipe")])
@@ -117,6 +102,9 @@ def test_a_bent_pipe_is_found_from_mouth_to_mouth(width: float, seed: int) -> No
     ends = poses[[0, -1], :3, 3]
     straight, turned = (max(gap(axis[0], a), gap(axis[-1], b)) for a, b in (ends, ends[::-1]))
     assert min(straight, turned) <= 1.6 * RADIUS
+    steps = np.linalg.norm(np.diff(axis, axis=0), axis=1)
+    assert steps.min() >= 0.5 * RADIUS
+    assert steps.max() <= 1.5 * RADIUS
 
 
 def test_there_is_none_in_a_closed_pipe_a_wide_hall_a_thin_door_and_beside_one_box() -> None:

@@ -8,11 +8,9 @@ import pytest
 
 import sinuous as sn
 from sinuous.problem.problem import input_warnings, problem_warnings
+from tests.scene.shapes import cube
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
-CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
-SIDES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-FACES = [face for a, b, c, d in SIDES for face in ([a, b, c], [a, c, d])]
 
 
 def said(robot: sn.Robot, scene: list[sn.Sphere] | list[sn.Mesh] | list[sn.Box] | None = None) -> list[str]:
@@ -93,14 +91,14 @@ def test_a_body_that_is_too_thick_for_its_bends() -> None:
 @pytest.mark.parametrize("size", [400.0, 1100.0])
 def test_a_mesh_in_millimetres_beside_a_robot_in_metres(size: float) -> None:
     robot = sn.Robot.uniform(3, 0.4, 2.0)
-    (text,) = said(robot, [sn.Mesh(size * CUBE, FACES, name="part")])
+    (text,) = said(robot, [sn.Mesh(*cube(size, (0.5 * size,) * 3), name="part")])
     assert text.startswith("part is ")
     assert "the robot 1.2 long; are both in one length unit?" in text
 
 
 def test_a_mesh_in_metres_beside_a_robot_in_millimetres() -> None:
     robot = sn.Robot.uniform(3, 400.0, 2.0)
-    (text,) = said(robot, [sn.Mesh(1.3 * CUBE, FACES)])
+    (text,) = said(robot, [sn.Mesh(*cube(1.3, (0.65,) * 3))])
     assert text.startswith("all obstacles lie within 2.252, the robot is 1200 long")
 
 

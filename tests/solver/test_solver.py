@@ -10,19 +10,10 @@ import pytest
 import sinuous as sn
 from sinuous.kernels.tables import CLEARANCE_MARGIN
 from tests.helpers import Floats, with_each
+from tests.methods.laws import shapes as shapes_of
 
 EXACT = sn.Tolerance(1e-6, 1e-6)
 KINDS = ("position", "direction", "rotation")
-
-
-def random_shapes(robot: sn.Robot, count: int, seed: int) -> Floats:
-    """Configurations within the limits of length and bend."""
-    rng = np.random.default_rng(seed)
-    low, high, max_bend = robot.limits[:, :3].T
-    bend = max_bend * rng.random((count, len(robot)))
-    angle = 2.0 * np.pi * rng.random((count, len(robot)))
-    length = rng.uniform(low, high, (count, len(robot)))
-    return np.stack([bend * np.cos(angle), bend * np.sin(angle), length], axis=-1)
 
 
 def as_target(pose: Floats, kind: str) -> sn.Target:
@@ -50,7 +41,7 @@ ROBOTS = {
 def test_reachable_targets_are_solved(name: str, kind: str) -> None:
     robot = ROBOTS[name]
     solver = sn.Solver(robot, tolerance=sn.Tolerance(1e-6 * robot.mean_length, 1e-6))
-    shapes = random_shapes(robot, 40, seed=KINDS.index(kind))
+    shapes = shapes_of(robot, 40, np.inf, KINDS.index(kind))
     for q in shapes[[robot.excess(q) == 0.0 for q in shapes]]:
         solution = solver.solve(as_target(robot.tip(q), kind))
         assert solution.solved, solution
@@ -73,7 +64,7 @@ def test_solved_means_clear_of_every_obstacle(seed: int) -> None:
     )
     solver = sn.Solver(robot, scene, max_starts=20)
     solved = 0
-    for q in random_shapes(robot, 20, seed):
+    for q in shapes_of(robot, 20, np.inf, seed):
         solution = solver.solve(as_target(robot.tip(q), "direction"))
         check = solution.verify()
         assert check.excess <= 1e-9
@@ -93,7 +84,7 @@ def test_tendon_limits_hold_and_do_not_hide_solutions(lines: int) -> None:
     tendons = sn.Tendons(lines, radius=5, angle=0.3, displacement=(-9, 9))
     robot = sn.Robot.uniform(4, (45, 70), 2.4, tendons=tendons)
     solver = sn.Solver(robot, tolerance=sn.Tolerance(1e-4, 1e-6))
-    shapes = [q for q in random_shapes(robot, 200, 1) if robot.excess(q) == 0.0][:40]
+    shapes = [q for q in shapes_of(robot, 200, np.inf, 1) if robot.excess(q) == 0.0][:40]
     assert len(shapes) > 10
     for q in shapes:
         solution = solver.solve(as_target(robot.tip(q), "direction"))
@@ -107,7 +98,7 @@ def test_limits_hold_when_the_target_cannot_be_met() -> None:
         5, (45, 70), 0.4, max_curvature=0.008, tendons=sn.Tendons(3, radius=4, displacement=(-2, 2))
     )
     solver = sn.Solver(robot, max_starts=30)
-    for pose in sn.Robot.uniform(5, (45, 70), 2.4).tip(random_shapes(ROBOTS["extensible"], 30, 3)):
+    for pose in sn.Robot.uniform(5, (45, 70), 2.4).tip(shapes_of(ROBOTS["extensible"], 30, np.inf, 3)):
         solution = solver.solve(as_target(pose, "rotation"))
         assert robot.excess(solution.q) <= 1e-9
         assert solution.solved == solution.verify().ok
@@ -116,7 +107,7 @@ def test_limits_hold_when_the_target_cannot_be_met() -> None:
 def test_several_targets_at_once() -> None:
     robot = sn.Robot.uniform(6, (45, 70), 2.0)
     solver = sn.Solver(robot, tolerance=sn.Tolerance(1e-4, 1e-6))
-    for q in random_shapes(robot, 30, 4):
+    for q in shapes_of(robot, 30, np.inf, 4):
         poses = robot.forward(q)
         targets = [sn.Target(poses[-1, :3, 3], rotation=poses[-1, :3, :3]), sn.Target(poses[2, :3, 3], segment=3)]
         solution = solver.solve(targets)
@@ -128,7 +119,7 @@ def test_several_targets_at_once() -> None:
 def test_the_same_seed_gives_the_same_answer_in_any_thread() -> None:
     robot = sn.Robot.uniform(3, 1.0)
     solver = sn.Solver(robot, tolerance=EXACT, time=10.0)
-    targets = [as_target(pose, "rotation") for pose in robot.tip(random_shapes(robot, 30, 6))]
+    targets = [as_target(pose, "rotation") for pose in robot.tip(shapes_of(robot, 30, np.inf, 6))]
     expected = [solver.solve(target).q for target in targets]
     answers: dict[int, list[Floats]] = {}
 
@@ -204,7 +195,7 @@ def test_blocked_is_said_with_the_obstacle() -> None:
 def test_preferences_improve_and_stay_solved(prefer: sn.Preferences) -> None:
     robot = sn.Robot.uniform(5, (45, 70), 2.4, radius=4)
     scene = sn.Scene([sn.Sphere((0, 80, 120), 25), sn.Sphere((40, -60, 160), 30)])
-    start = random_shapes(robot, 1, 9)[0]
+    start = shapes_of(robot, 1, np.inf, 9)[0]
     plain, wished = sn.Solver(robot, scene), sn.Solver(robot, scene, prefer=prefer)
     plain._prepared._settings[CLEARANCE_MARGIN] = 0.0  # what preferences begin from: nobody has led it out of contact
 
@@ -216,7 +207,7 @@ def test_preferences_improve_and_stay_solved(prefer: sn.Preferences) -> None:
         return -min(solution.clearance or 0.0, prefer.clearance)
 
     better = 0
-    for q in random_shapes(robot, 60, 10):
+    for q in shapes_of(robot, 60, np.inf, 10):
         if better > 15:
             break
         target = as_target(robot.tip(q), "direction")

@@ -6,14 +6,13 @@ import igl
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 
 import sinuous as sn
 from benchmarks.judges import clearances
 from benchmarks.judges.clearances import Clearances, distance_of, least_clearance, overlaps
 from benchmarks.judges.kinematics import body_points
-from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
+from tests.scene.shapes import together
 
 ARM = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1)
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
@@ -79,7 +78,7 @@ def test_a_speck_between_coarse_samples_is_seen() -> None:
 def test_sides_of_a_mesh_are_those_of_every_point_alone(inside: bool, spread: float) -> None:
     """Points that wander through a torus and a box, in small and in large steps; the side by exact solid angles."""
     solids = [trimesh.creation.torus(2.0, 0.7), trimesh.creation.box(bounds=[(-0.5, -0.5, 2), (0.5, 0.5, 3)])]
-    mesh = sn.Mesh(*_together(solids), inside=inside)
+    mesh = sn.Mesh(*together(*((each.vertices, each.faces) for each in solids)), inside=inside)
     rng = np.random.default_rng(3)
     points = np.array([2.0, 0.0, 0.0]) + spread * rng.normal(size=(3000, 3)).cumsum(axis=0)
     points = np.mod(points + 4.0, 8.0) - 4.0
@@ -87,9 +86,3 @@ def test_sides_of_a_mesh_are_those_of_every_point_alone(inside: bool, spread: fl
     found = distance_of(mesh)(points)
     assert ((found < 0.0) == ((numbers > 0.5) != inside)).all()
     assert 50 < (found < 0.0).sum() < 2950
-
-
-def _together(solids: list[trimesh.Trimesh]) -> tuple[Floats, NDArray[np.int64]]:
-    vertices = np.concatenate([solid.vertices for solid in solids])
-    firsts = np.cumsum([0, *(len(solid.vertices) for solid in solids[:-1])])
-    return vertices, np.concatenate([solid.faces + first for solid, first in zip(solids, firsts, strict=True)])

@@ -5,7 +5,6 @@ The single arc to a point: by the matrix exponential, and by what bounds it.
 How fast places of the body move: bounds against differences.
 """
 
-import itertools
 import math
 from fractions import Fraction
 
@@ -19,13 +18,7 @@ from sinuous.kernels.chain import arc
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, acceleration_bound, measure_rates
 from sinuous.kernels.chain.single_arc import MOST_HALF_BEND, arc_to
 from sinuous.kernels.packing import plain_rows
-from tests.helpers import BENDS, LENGTHS, Floats, as_matrix, complex_columns, frames_of, twist_matrix, twist_of
-
-ANGLES = (0.0, 0.5 * math.pi, 2.1, -2.9)
-
-
-def pose(ux: float, uy: float, length: float) -> Floats:
-    return as_matrix(*arc.pose(ux, uy, length))
+from tests.helpers import BENDS, Floats, frames_of, twist_matrix
 
 
 def exact_coefficients(x: float) -> list[float]:
@@ -43,26 +36,6 @@ def exact_coefficients(x: float) -> list[float]:
 def test_coefficients_are_their_power_series(bend: float) -> None:
     got = arc.coefficients(bend * bend)
     np.testing.assert_allclose(got, exact_coefficients(bend * bend), rtol=4e-15, atol=1e-15)
-
-
-def test_pose_is_the_exponential() -> None:
-    for bend, angle, length in itertools.product(BENDS, ANGLES, LENGTHS):
-        q = np.array([bend * math.cos(angle), bend * math.sin(angle), length])
-        np.testing.assert_allclose(pose(*q), expm(twist_matrix(q)), atol=1e-14 * max(1.0, length), rtol=0)
-        np.testing.assert_allclose(arc.point(*q), pose(*q)[:3, 3], atol=2e-15 * length, rtol=0)
-
-
-def test_columns_are_the_derivatives() -> None:
-    for bend, angle, length in itertools.product(BENDS, ANGLES, LENGTHS):
-        q = np.array([bend * math.cos(angle), bend * math.sin(angle), length])
-        rates = complex_columns(lambda x: expm(twist_matrix(x)), q)
-        rotation, end, x, y, stretch = arc.pose_and_columns(*q.tolist())
-        np.testing.assert_array_equal(as_matrix(rotation, end), pose(*q))
-        scale = max(1.0, length)
-        for got, rate in zip(
-            ((*x[0], *x[1]), (*y[0], *y[1]), (0, 0, 0, *stretch)), np.moveaxis(rates, -1, 0), strict=True
-        ):
-            np.testing.assert_allclose(got, twist_of(rate, expm(twist_matrix(q))), atol=2e-14 * scale)
 
 
 ARCS = [bend for bend in BENDS if bend < 2.0 * MOST_HALF_BEND]

@@ -13,6 +13,7 @@ import sinuous as sn
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import LINE_SIDES, SIDE_STEPS, widths_across
 from sinuous.kernels.fitting.short_steps import MOST_STEPS, REACH_STEP
+from sinuous.solver.polylines import respaced
 from tests.helpers import Floats, kernel_groups
 
 POINTS = 300
@@ -26,14 +27,6 @@ def lay(robot: sn.Robot, route: Floats, seconds: float = 60.0, scene: sn.Scene |
     return out
 
 
-def own_route(robot: sn.Robot, q: Floats) -> Floats:
-    """The backbone itself, as evenly spaced points."""
-    dense = robot.backbone(q, 400)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(dense, axis=0), axis=1))])
-    at = np.linspace(0.0, along[-1], POINTS)
-    return np.stack([np.interp(at, along, dense[:, axis]) for axis in range(3)], axis=-1)
-
-
 def shape(seed: int, n: int, spread: float) -> Floats:
     rng = np.random.default_rng(seed)
     angle, bend = rng.uniform(-np.pi, np.pi, n), rng.uniform(0.2, 1.8, n)
@@ -45,7 +38,7 @@ def shape(seed: int, n: int, spread: float) -> Floats:
 def test_a_chain_finds_into_its_own_backbone(n: int, spread: float) -> None:
     robot = sn.Robot.uniform(n, length=(0.8, 1.2) if spread else 1.0, max_bend=2.4)
     q = shape(n, n, spread)
-    found = lay(robot, own_route(robot, q))
+    found = lay(robot, respaced(robot.backbone(q, 400), POINTS))
     off, _ = cKDTree(robot.backbone(q, 2000)).query(robot.backbone(found, 20))
     assert np.max(off) < (0.01 if spread == 0.0 else 0.05)
     assert np.linalg.norm(robot.tip(found)[:3, 3] - robot.tip(q)[:3, 3]) < 0.03
@@ -56,7 +49,7 @@ def test_a_chain_finds_into_its_own_backbone(n: int, spread: float) -> None:
 def test_a_chain_keeps_off_what_the_route_keeps_off(seed: int) -> None:
     robot = sn.Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
     q = shape(seed, 5, 0.1)
-    route = own_route(robot, q)
+    route = respaced(robot.backbone(q, 400), POINTS)
     away = np.cross(np.gradient(route, axis=0), np.random.default_rng(seed).normal(size=3))
     balls = [sn.Sphere(p + 0.31 * off / np.linalg.norm(off), 0.2) for p, off in zip(route, away, strict=True)][40::20]
     scene = sn.Scene([ball for ball in balls if (np.linalg.norm(route - ball.center, axis=1) > 0.30).all()])

@@ -14,6 +14,7 @@ from sinuous.kernels.freespace.homotopy import (
     halfway,
     homotopy_workspace_size,
 )
+from sinuous.solver.polylines import respaced
 from tests.helpers import Floats
 
 POINTS, KEEP = 96, 0.06
@@ -27,19 +28,12 @@ def workspace() -> Floats:
     return np.full(homotopy_workspace_size(POINTS), np.nan)  # nothing of what was there before may matter
 
 
-def even(corners: Floats) -> Floats:
-    """Points evenly spaced on a line through corners (k, 3)."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
-    wanted = np.linspace(0.0, along[-1], POINTS)
-    return np.stack([np.interp(wanted, along, column) for column in corners.T], axis=1)
-
-
 def wild_curve(rng: np.random.Generator) -> Floats:
     """A curve from START to END that keeps twice KEEP from all pillars."""
     while True:
         corners = np.vstack([START, np.sort(rng.uniform(-1.8, 1.8, 6))[:, None] * [1, 0, 0], END])
         corners[1:-1, 1:] = rng.uniform(-1.2, 1.2, (6, 2))
-        curve = even(corners)
+        curve = respaced(corners, POINTS)
         if PILLARS.distance(curve).min() > 2.0 * KEEP:
             return curve
 
@@ -104,8 +98,8 @@ def test_curves_that_are_not_drawn_tight_are_never_told_alike_when_they_are_not(
 
 def test_halfway_is_clear_and_leads_round() -> None:
     angle = 0.9
-    up = even(np.array([START, (0.0, 0.0, 1.1), END]))
-    aside = even(np.array([START, (0.0, 1.1 * np.sin(angle), 1.1 * np.cos(angle)), END]))
+    up = respaced(np.array([START, (0.0, 0.0, 1.1), END]), POINTS)
+    aside = respaced(np.array([START, (0.0, 1.1 * np.sin(angle), 1.1 * np.cos(angle)), END]), POINTS)
     group, middle = BALL.snapshot().group.copy(), np.full_like(up, np.nan)
     assert halfway(group, up, aside, KEEP, math.inf, workspace(), middle)
     assert BALL.distance(middle).min() > LEASH_SLACK * KEEP
@@ -115,7 +109,7 @@ def test_halfway_is_clear_and_leads_round() -> None:
 
 def test_without_time_nothing_is_told_alike_nor_drawn_tight() -> None:
     many = sn.Scene([sn.Sphere((x, 9.0, 0.0), 0.1) for x in range(200)])
-    curve = even(np.array([START, (0.0, 1.0, 0.0), END]))
+    curve = respaced(np.array([START, (0.0, 1.0, 0.0), END]), POINTS)
     assert deform(many, curve, curve)
     assert not deform(many, curve, curve, 0.0)
     assert length(tight(many, curve)) < 1.01 * np.linalg.norm(END - START) < length(tight(many, curve, 0.0))

@@ -250,6 +250,7 @@ def main() -> None:
         if not chosen or step.what in chosen:
             run(f"what is warmed for {step.what}", step.use)
     ahead = [name_of(one.compiled, form) for one in made for form in one.signatures]
+    closed = [one.name for one in made for form in one.signatures if any("readonly" in str(each) for each in form)]
     forms = {one.name: len(one.signatures) for one in made}
     if not chosen:
         for name, use in problems():
@@ -259,8 +260,8 @@ def main() -> None:
             setattr(sampling, name, value)
         run("what users do", use_all)
     late = {one.name: str(one.signatures) for one in made if len(one.signatures) > forms[one.name]}
-    found = {"compared": compared, "largest": largest, "apart": apart, "failed": failed, "ahead": ahead, "late": late}
-    print(json.dumps(found))  # noqa: T201
+    forms_seen = {"ahead": ahead, "late": late, "closed": closed}
+    print(json.dumps({"compared": compared, "largest": largest, "apart": apart, "failed": failed, **forms_seen}))  # noqa: T201
 
 
 if __name__ == "__main__":

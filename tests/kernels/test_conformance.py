@@ -48,6 +48,11 @@ def test_everything_is_compiled_ahead_and_in_one_form(seen: dict[str, Any]) -> N
     assert seen["late"] == {}
 
 
+def test_no_entry_is_compiled_for_arrays_that_cannot_be_written_to(seen: dict[str, Any]) -> None:
+    """All kernels that it calls would be compiled once more for them."""
+    assert seen["closed"] == []
+
+
 def test_numba_by_itself_makes_the_same() -> None:
     """The way out of what we do to it, and what runs with versions that were not tried."""
     seen = compare_both_ways("kinematics", "starts of a memory", SINUOUS_COMPILER="numba")

@@ -96,7 +96,7 @@ def largest_distance(vertices: Floats, faces: Integers, places: Floats, kept: In
     row[0, [t.KIND, t.LEVELS, t.ITEM_COUNT, t.ITEM_KIND, t.ITEMS]] = t.TREE, levels, len(kept), t.TRIANGLES, nodes.size
     store = np.concatenate([nodes.ravel(), items.ravel()])
     items, squares = np.empty(len(vertices), np.int64), np.empty(len(vertices))
-    points, sides = np.ascontiguousarray(vertices), np.ascontiguousarray(faces)
+    points, sides = np.array(vertices, order="C"), np.array(faces, order="C")
 
     def find(first: int, last: int) -> None:
         deviation.nearest(row, store, points[first:last], items[first:last], squares[first:last])

@@ -86,8 +86,9 @@ class LoadedControlStep:
     def __init__(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         own = body_of(robot)
         self._robot, self.scene, self._own = robot, scene, own
-        arcs, settings = longest_body(robot)._group, settings_group(robot, tolerance)
-        self._groups = robot._group, arcs, scene._kernel_group, settings
+        # Copies: all kernels would be compiled once more for groups that cannot be written to.
+        arcs, settings = longest_body(robot)._group.copy(), settings_group(robot, tolerance)
+        self._groups = robot._group.copy(), arcs, scene._kernel_group, settings
         self._stretches = stretches_allowed(robot)
         self._limited = bool(np.isfinite(self._stretches).any())
         self._tables = own.sections, self._stretches, own.carried, own.line_table.copy(), own.slopes

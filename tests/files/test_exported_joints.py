@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.files.joint_chain import joint_map
+from sinuous.files.joint_chain import JointChain
 from sinuous.model.joints import Fixed
 from tests.helpers import random_pose, random_unit, refused
 
@@ -40,11 +40,11 @@ def placed(file: Path, names: tuple[str, ...], values: Any) -> Any:
 
 
 def test_all_joints_are_in_order_with_their_values() -> None:
-    names, matrix, offset = joint_map(ARM, "joints", 4)
-    assert names[:3] == ARM.joint_names == ("pan", "lift", "j4")
-    assert names[3:6] == ("s1_1_z", "s1_1_x", "s1_1_y")
+    chain = JointChain(ARM, 4)
+    assert chain.names[:3] == ARM.joint_names == ("pan", "lift", "j4")
+    assert chain.names[3:6] == ("s1_1_z", "s1_1_x", "s1_1_y")
     whole = ARM.with_joints(Q, VALUES)
-    np.testing.assert_allclose((matrix @ whole.ravel() + offset)[:3], VALUES, atol=1e-15)
+    np.testing.assert_allclose((chain.matrix @ whole.ravel() + chain.offsets)[:3], VALUES, atol=1e-15)
 
 
 @pytest.mark.parametrize("robot", [ARM, ALONE], ids=["with segments", "without"])

@@ -263,3 +263,25 @@ def test_a_tick_names_the_actuator_that_is_limited() -> None:
         named |= {each.actuator for each in step.active if each.actuator}
     assert named <= {"s2.t2", "s2.t3"}
     assert named
+
+
+def test_files_have_the_stretch_of_elastic_motors(tmp_path: Path) -> None:
+    lines = sn.Tendons(3, 4.0, stiffness=50.0)
+    soft = sn.Robot([sn.Segment(50.0, 1.5, tendons=lines, stiffness=3e3) for _ in range(2)])
+    bends = np.array([[[0.1, 0.2], [0.0, 0.3]], [[0.4, 0.2], [-0.3, 0.5]], [[0.1, -0.2], [0.2, 0.1]]])
+    q = np.concatenate([bends, np.full((3, 2, 1), 50.0)], axis=2)
+    values = soft.to_actuators(q)
+    assert np.abs(values - q.reshape(3, -1) @ soft.drive.value_jacobian.T).max() > 0.1
+    targets = soft.tip(q)[:, :3, 3]
+    for rows in ([0], [0, 1, 2]):
+        batch = sn.studies.solve_batch(soft, targets[rows])
+        assert batch.results is not None
+        np.testing.assert_allclose(batch.results["actuators"], soft.to_actuators(batch.results["q"]), atol=1e-12)
+    sn.Motion(soft, q).to_ros(tmp_path / "motors.json", of="actuators")
+    np.testing.assert_allclose(sn.Motion.load(tmp_path / "motors.json", soft).q, q, atol=1e-9)
+    timed = sn.Motion(soft, q).timed(sn.Rates(bend=0.5, acceleration=sn.Rates(bend=2.0)))
+    timed.to_ros(tmp_path / "timed.json", of="actuators")
+    when, step = timed.times[3], 1e-5 * timed.duration
+    point = json.loads((tmp_path / "timed.json").read_text(encoding="utf-8"))["points"][3]
+    around = soft.to_actuators(timed.at(np.array([when - step, when + step])))
+    np.testing.assert_allclose(point["velocities"], (around[1] - around[0]) / (2.0 * step), atol=1e-3)

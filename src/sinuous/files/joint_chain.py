@@ -21,7 +21,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -263,28 +263,6 @@ NANO = 1_000_000_000
 
 Of = Literal["joints", "actuators"]
 """Whose values a trajectory has: joints of the chain, as in the URDF, or actuators of the robot."""
-
-
-class JointMap(NamedTuple):
-    """How values of joints or actuators come of flat configurations: `matrix q + offset`.
-
-    Their names (j,), the matrix (j, 3 n) and the offset (j,).
-    """
-
-    names: tuple[str, ...]
-    matrix: Floats
-    offset: Floats
-
-
-def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> JointMap:
-    """Return the map to the joints of the chain, or to the motors of the robot."""
-    if checks.choice("of", of, ("joints", "actuators")) == "joints":
-        chain = JointChain(robot, joints_per_segment)
-        return JointMap(chain.names, chain.matrix, chain.offsets)
-    if not robot.actuators:
-        raise InputError("of", "the robot has none", of, "joints")
-    names = tuple(actuator.name for actuator in robot.actuators)
-    return JointMap(names, robot.drive.value_jacobian, robot.drive.motors.offset)
 
 
 def joint_trajectory(

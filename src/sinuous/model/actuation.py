@@ -29,6 +29,9 @@ from sinuous.model.segment import Segment, segment_names
 
 Kind = Literal["tendon", "chamber", "stage", "linear"]
 
+STEP = 1e-6
+"""Of a difference of stretches, rad or length."""
+
 TOGETHER = 256
 """Vectors that are multiplied at once. NumPy hands more of them to several threads, which wait for each other longer
 than such small matrices take."""
@@ -183,9 +186,17 @@ class Actuation(Frozen):
             result[..., self.elastic.places] = self.elastic.tensions(displacements, q)
         return result
 
-    def speeds(self, dq: Floats) -> Floats:
-        """How fast the values of the motors change (..., m) when configurations do so (..., n, 3)."""
-        return self.motors.speeds(self.displacements(dq))
+    def speeds(self, dq: Floats, q: Floats | None = None) -> Floats:
+        """How fast the values of the motors change (..., m) when configurations do so (..., n, 3).
+
+        Elastic ones also by their stretch where it is said at which configurations `q` (..., n, 3).
+        """
+        result = self.motors.speeds(self.displacements(dq))
+        if self.elastic is None or q is None:
+            return result
+        step = STEP / max(float(np.abs(dq).max(initial=0.0)), np.finfo(float).tiny)
+        change = self.stretch(q + step * dq) - self.stretch(q - step * dq)
+        return result + self.motors.speeds(change / (2.0 * step))
 
     def in_words(self, values: Mapping[str, float]) -> str:
         """Values of the motors by name, with their units, on one line; two spaces between them."""

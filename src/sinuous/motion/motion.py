@@ -30,7 +30,7 @@ from sinuous.motion.report import Report
 from sinuous.motion.resampling import lines_between
 from sinuous.scene.scene import SceneLike, as_snapshot, entries_of
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.certificates.steps import SAMPLES, Steps, prove_steps
+from sinuous.solver.certificates.steps import SAMPLES, Steps, interpolate, prove_steps
 from sinuous.statics.rest import bodies_at
 
 if TYPE_CHECKING:
@@ -305,7 +305,7 @@ class Motion(NotebookMixin, Frozen):
         if outside.any():
             wrong = when if when.ndim == 0 else when[outside][0]
             raise InputError("t", "", float(wrong), f"times from {self.times[0]:g} to {self.times[-1]:g}")
-        return tables.interpolate(self.times, self.configuration, when)
+        return interpolate(self.times, self.configuration, when)
 
     def timed(self, rates: "Rates", blend: Number = 0.0) -> "sn.Trajectory":
         """Pass the same way as fast as rates and accelerations allow, from rest to rest.
@@ -384,7 +384,7 @@ class Motion(NotebookMixin, Frozen):
             When the rate is not greater than 0, or there are fewer than two knots.
         """
         times = tables.sample_times(self.times, checks.number("rate", rate, above=0.0))
-        q = tables.interpolate(self.times, self.configuration, times) if len(self.configuration) else self.configuration
+        q = interpolate(self.times, self.configuration, times) if len(self.configuration) else self.configuration
         if len(q) < 2:
             raise InputError("motion", "has less than two knots", self, "a motion with steps")
         steps = lines_between(self.robot, self.scene, self.times, self.steps, times, q)
@@ -408,7 +408,7 @@ class Motion(NotebookMixin, Frozen):
         count = checks.integer("between", between, 0, 10_000) + 1
         at = np.arange((len(self.configuration) - 1) * count + 1) / count
         when = np.interp(at, np.arange(len(self.configuration)), self.times)
-        body, q = bodies_at(self.robot, tables.interpolate(self.times, self.configuration, when))
+        body, q = bodies_at(self.robot, interpolate(self.times, self.configuration, when))
         return deviation(body, q, line_in_front(self.robot, curve))
 
     def derivative(
@@ -438,7 +438,7 @@ class Motion(NotebookMixin, Frozen):
         when = checks.increasing("depths", depths, None)
         if not len(when) or when[0] < self.times[0] or when[-1] > self.times[-1]:
             raise InputError("depths", "", depths, f"from {self.times[0]:g} to {self.times[-1]:g}")
-        q = tables.interpolate(self.times, self.configuration, when)
+        q = interpolate(self.times, self.configuration, when)
         return LeaderDerivative(LeaderQuestion.of(self.robot, q, line_in_front(self.robot, curve), when), q, wrt)
 
     def to_csv(self, file: str | Path, rate: Number | None = None, columns: Sequence[str] | None = None) -> Self:

@@ -91,14 +91,7 @@ def _read_table(text: str, robot: Robot) -> tuple[Floats, Floats]:
     if missing or when is None:
         wanted = missing[0] if missing else TIME[0]
         raise InputError("columns", f"no column {wanted}", list(table.names), suggested(wanted, table.names))
-    numbers = np.full((len(rows), 1 + len(read)), np.nan)
-    for i, (number, line) in enumerate(rows):
-        cells = table.cells(line)
-        for k, name in enumerate([when, *read]):
-            value = table.number(cells[own.index(name.lower())]) if len(cells) == len(own) else None
-            if value is None or not np.isfinite(value):
-                raise InputError(f"line {number}", f"no number in column {name}", line, f"{len(own)} numbers")
-            numbers[i, k] = value
+    numbers = table.read_finite(rows, [own.index(name.lower()) for name in (when, *read)])
     return _knots(robot, numbers[:, 1:], read is shapes), checks.increasing("time", numbers[:, 0], len(numbers))
 
 

@@ -1,7 +1,8 @@
-"""Motions as tables: configurations at other times than the knots, and the files CSV, NPZ and ROS JSON."""
+"""Motions as tables: times at a rate, and the files CSV, NPZ and ROS JSON."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import get_args
 from zipfile import BadZipFile
 
 import numpy as np
@@ -14,17 +15,8 @@ from sinuous.base.arguments import Whole
 from sinuous.base.checks import Floats, readable
 from sinuous.base.documents import write_archive, write_table
 from sinuous.base.errors import InputError
-from sinuous.files.joint_chain import Of, joint_map, joint_trajectory, write_json
+from sinuous.files.joint_chain import JointChain, Of, joint_trajectory, write_json
 from sinuous.model.robot import Robot
-
-
-def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
-    """Return configurations (..., n, 3) at times (...) within those of the knots `q` (T, n, 3), linear between them."""
-    if len(q) == 1:
-        return np.broadcast_to(q[0], (*when.shape, *q.shape[1:])).copy()
-    i = np.clip(np.searchsorted(times, when, side="right") - 1, 0, len(q) - 2)
-    share = ((when - times[i]) / (times[i + 1] - times[i]))[..., None, None]
-    return (1.0 - share) * q[i] + share * q[i + 1]
 
 
 def sample_times(times: Floats, rate: float) -> Floats:
@@ -77,10 +69,16 @@ def write_ros(
     InputError
         When an argument is not what it should be, or the file cannot be written.
     """
-    own = joint_map(robot, of, joints)
-    positions = q.reshape(len(times), -1) @ own.matrix.T + own.offset
-    speeds = None if velocities is None else velocities.reshape(len(times), -1) @ own.matrix.T
-    write_json(file, joint_trajectory(own.names, times, positions, speeds))
+    if checks.choice("of", of, get_args(Of)) == "joints":
+        chain = JointChain(robot, joints)
+        names, positions = chain.names, chain.values(q)
+        speeds = None if velocities is None else velocities.reshape(len(times), -1) @ chain.matrix.T
+    elif not robot.actuators:
+        raise InputError("of", "the robot has none", of, "joints")
+    else:
+        names, positions = tuple(actuator.name for actuator in robot.actuators), robot.to_actuators(q)
+        speeds = None if velocities is None else robot.drive.speeds(velocities, q)
+    write_json(file, joint_trajectory(names, times, positions, speeds))
 
 
 def write_npz(file: str | Path, robot: Robot, times: Floats, q: Floats, proved: NDArray[np.bool_]) -> None:

@@ -108,11 +108,13 @@ def _poses(courses: list[Course]) -> Floats:
     return np.concatenate(tables) if tables else np.zeros((0, COURSE_POSE_WIDTH))
 
 
-def divided_knots(knots: Floats, times: Floats, finer: Floats) -> Floats:
-    """Configurations (U, n, 3) of a motion at finer times (U,), among which are those of its knots (T, n, 3)."""
-    step = np.clip(np.searchsorted(times, finer, side="right") - 1, 0, len(times) - 2)
-    share = ((finer - times[step]) / (times[step + 1] - times[step]))[:, None, None]
-    return (1.0 - share) * knots[step] + share * knots[step + 1]
+def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
+    """Return configurations (..., n, 3) at times (...) within those of the knots `q` (T, n, 3), linear between them."""
+    if len(q) == 1:
+        return np.broadcast_to(q[0], (*when.shape, *q.shape[1:])).copy()
+    step = np.clip(np.searchsorted(times, when, side="right") - 1, 0, len(q) - 2)
+    share = ((when - times[step]) / (times[step + 1] - times[step]))[..., None, None]
+    return (1.0 - share) * q[step] + share * q[step + 1]
 
 
 def together(answers: Floats, times: Floats, finer: Floats) -> Floats:
@@ -457,7 +459,7 @@ class Prover:
         finer = self._drifts.divided(times)
         if len(finer) == len(times):
             return self._prove(knots, clear, self._drifts.rows(times), slack, seconds)
-        divided = divided_knots(knots, times, finer)
+        divided = interpolate(times, knots, finer)
         answers = self._prove(divided, np.zeros((len(finer), 2)), self._drifts.rows(finer), slack, seconds)
         return together(answers, times, finer)
 

@@ -20,7 +20,6 @@ from sinuous.measures.body import BodyPlace
 from sinuous.model.robot import Robot
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
-from sinuous.motion.tables import interpolate
 from sinuous.motion.trajectory import Trajectory
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -28,6 +27,7 @@ from sinuous.scene.moving import standing_at
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.certificates.steps import interpolate
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import Equilibrium, under_load
 from sinuous.statics.rest import bodies_at

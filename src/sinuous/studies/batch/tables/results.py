@@ -11,14 +11,13 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from sinuous.answer.solutions import Solutions
+from sinuous.answer.solutions import Solutions, column_names
 from sinuous.answer.status import Status, places_of
 from sinuous.base import checks
-from sinuous.base.checks import Floats, motor_columns
+from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.kernels.tables import CLEARANCE, CODE, FAILED, RECORD_WIDTH, SOLVED
 from sinuous.model.robot import Robot
-from sinuous.model.segment import coordinate_names
 from sinuous.studies.batch.tables.reading import ending_of, parquet
 from sinuous.studies.runs.engine import Arrays
 
@@ -94,8 +93,7 @@ class Layout:
 
     @property
     def _known(self) -> list[str]:
-        motors = motor_columns(self.actuators, self.joints)
-        return [*self.joints, *coordinate_names(self.robot.segment_names), *motors, *ERRORS, *EFFORTS]
+        return [*column_names(self.robot), *ERRORS, *EFFORTS]
 
     def flat(self, block: Arrays) -> Iterator[NDArray[Any]]:
         """Yield the columns of a table, in the order of `names`; statuses are words."""
@@ -144,7 +142,8 @@ def _actuators(robot: Robot, q: Floats) -> Floats:
     displacements = np.zeros((len(q), len(jacobian)))
     for k, j in np.argwhere(jacobian).tolist():
         displacements[:, k] += jacobian[k, j] * flat[:, j]
-    return robot.drive.motors.values(displacements)
+    stretch = robot.drive.stretch(np.concatenate([q, q[:1]]))[:-1]  # that of a row alone is summed in another order
+    return robot.drive.motors.values(displacements + stretch)
 
 
 def write_npz(file: Path, blocks: Callable[..., Iterable[Arrays]], layout: Layout, rows: int) -> None:

@@ -194,9 +194,9 @@ class Actuation(Frozen):
         result = self.motors.speeds(self.displacements(dq))
         if self.elastic is None or q is None:
             return result
-        step = STEP / max(float(np.abs(dq).max(initial=0.0)), np.finfo(float).tiny)
+        step = STEP / np.maximum(np.abs(dq).max(axis=(-2, -1), keepdims=True), STEP)
         change = self.stretch(q + step * dq) - self.stretch(q - step * dq)
-        return result + self.motors.speeds(change / (2.0 * step))
+        return result + self.motors.speeds(change / (2.0 * step[..., 0]))
 
     def in_words(self, values: Mapping[str, float]) -> str:
         """Values of the motors by name, with their units, on one line; two spaces between them."""

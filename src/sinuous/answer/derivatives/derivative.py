@@ -32,9 +32,6 @@ from sinuous.problem.problem import Problem
 SAME_GAP = 1e-6
 """Difference of gaps, in mean lengths of the robot, up to which two places are both the nearest to obstacles."""
 
-STRETCHED = 1e-6
-"""Step of the differences that stand for the derivative of the stretch of elastic actuators: rad, or length unit."""
-
 SAMPLES = 16
 """Places of a segment that are looked at for a bound of the clearance."""
 
@@ -277,20 +274,15 @@ def _flat(change: Floats) -> Floats:
 
 def actuator_change(robot: Robot, q: Floats, changes: Mapping[Parameter, Floats], name: Parameter) -> Floats:
     """Derivatives (m, p) of the values of all actuators by a group of parameters."""
-    drive, moved = robot.drive, _flat(changes[name])
-    change: Floats = drive.jacobian @ moved
+    drive, ways = robot.drive, np.moveaxis(changes[name], -1, 0)
+    change = drive.speeds(ways, q).T
     if name == "tendons":
         for i, (kind, k, radius) in enumerate(circles_of(robot)):
             for j, actuator in enumerate(robot.actuators):
                 if f"{actuator.kind}s" == kind and robot.end_row(actuator.segment) == k + 1:
                     bends = drive.jacobian[j].reshape(-1, 3)[:, :2]
-                    change[j, i] += float((bends * q[:, :2]).sum()) / radius
-    if drive.elastic is not None:
-        for i, way in enumerate(moved.T):
-            size = STRETCHED / max(float(np.abs(way).max()), STRETCHED)
-            step = size * way.reshape(q.shape)
-            change[:, i] += (drive.stretch(q + step) - drive.stretch(q - step)) / (2.0 * size)
-    return drive.motors.speeds(change.T).T
+                    change[j, i] += actuator.gain * float((bends * q[:, :2]).sum()) / radius
+    return change
 
 
 def clearance_change(problem: Problem, q: Floats, plan: DerivativePlan, moved: Floats) -> Floats:

@@ -14,7 +14,8 @@ PROBLEM = b"robot: {segments: {count: 3, length: [0.8, 1.2]}}\ntarget: {position
 
 def test_a_saved_problem_is_what_is_on_the_page(tmp_path: Path) -> None:
     np.save(tmp_path / "scan.npy", np.ones((4, 3)))
-    (tmp_path / "problem.yaml").write_bytes(PROBLEM + b"scene: [{points: {file: scan.npy, radius: 0.1}}]\n")
+    more = b"scene: [{points: {file: scan.npy, radius: 0.1}}]\nworkspace: {spacing: 0.2}\n"
+    (tmp_path / "problem.yaml").write_bytes(PROBLEM + more)
     page = PageModel(sn.load(tmp_path / "problem.yaml", sn.Job))
     page.add("capsule")
     page.place_target(0, np.array([0.1, 0.2, 2.5]))
@@ -29,6 +30,7 @@ def test_a_saved_problem_is_what_is_on_the_page(tmp_path: Path) -> None:
     assert again.scene.snapshot().equals(page.scene)
     assert again.waypoints[0][0].equals(page.targets[0])
     assert again.tolerance == page.job.tolerance
+    assert again.workspace.spacing == 0.2
     assert again.start is not None
 
 

@@ -134,7 +134,7 @@ def _with(own: Kept, most: float) -> Kept:
 
 def change_job(job: Job, **parts: Any) -> Job:
     """Return a job with other parts: arguments of `Job`."""
-    kept = "scene", "tolerance", "start", "prefer", "rates", "times", "reconfigure", "goal", "file"
+    kept = "scene", "tolerance", "start", "prefer", "rates", "times", "reconfigure", "workspace", "goal", "file"
     own: dict[str, Any] = {key: getattr(job, key) for key in kept}
     if job.waypoints:
         own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]

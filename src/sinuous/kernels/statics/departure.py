@@ -108,8 +108,8 @@ def departure_size(segments: int, arcs: int, lines: int) -> int:
 
 def carve_departure(
     buffer: Array, sections: Array, carried: Array, lines: Array, sagitta: Array, arcs: int
-) -> tuple[Departure, Array]:
-    """Lay out scratch in a buffer; returns what is left of it, too. `carried` (k, 10): loads; `sagitta` (n, 3)."""
+) -> Departure:
+    """Lay out scratch in a buffer. `carried` (k, 10): loads; `sagitta` (n, 3)."""
     n, count = sections.shape[0], lines.shape[0]
     q, rest = cut(buffer, n, 3)
     x, rest = cut(rest, arcs, t.STATE_WIDTH)
@@ -119,8 +119,7 @@ def carve_departure(
     states, rest = cut(rest, arcs, t.STATE_WIDTH)
     tables, rest = cut(rest, 3 * arcs, t.ARC_WIDTH)
     bounds, rest = cut(rest, arcs, BOUND_WIDTH)
-    sizes, rest = rest[:count], rest[count:]
-    return Departure(sections, carried, lines, sagitta, q, x, tensions, held, states, tables, bounds, sizes), rest
+    return Departure(sections, carried, lines, sagitta, q, x, tensions, held, states, tables, bounds, rest[:count])
 
 
 @entry
@@ -145,7 +144,7 @@ def measure_departure(
     `sagitta` (n, 3) in `Departure`, `slopes` as for `equilibrium.equilibrate`. `buffer` has `measure_size` numbers.
     """
     space, rest = carve(buffer, base, x.shape[1], lines.shape[0], slopes)
-    own, _ = carve_departure(rest, sections, carried, lines, sagitta, x.shape[1])
+    own = carve_departure(rest, sections, carried, lines, sagitta, x.shape[1])
     bound_departure(own, Way(q, held, x, tensions), space, CLOSE, answer)
     for i in range(lines.shape[0]):
         stretches[i] = answer[OFF] * own.sizes[i]

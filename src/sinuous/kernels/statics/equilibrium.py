@@ -68,6 +68,7 @@ def is_stable(record: Array) -> bool:
     return bool(record[LOAD_FACTOR] >= 1.0 and record[UNSTABLE] == 0.0)
 
 
+@shared
 def equilibrate_near(x: Array, tensions: Array, body: Body, most: int, space: Workspace, record: Array) -> None:
     """Go from a state near an equilibrium to it, in so many steps at most or not at all; fill `record` (10,)."""
     find_taut(body.lines, tensions, space)

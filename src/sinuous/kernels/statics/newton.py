@@ -252,6 +252,7 @@ def _are_sound(x: Array, arcs: Array) -> bool:
     return True
 
 
+@shared
 def descend(
     x: Array, tensions: Array, body: Body, load_factor: float, descends: bool, space: Workspace, most: int
 ) -> tuple[bool, int]:

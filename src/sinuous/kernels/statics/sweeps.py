@@ -63,7 +63,7 @@ def factorise(
             moment, force = add(moment, add(m, cross(p, f))), add(force, f)
             _add_load_stiffness(P, p, f)
             last -= 1
-        _fill_pivot(x, frames, k, origin, moment, force, P, arcs, stages, scratch)
+        _fill_pivot(x, frames, k, origin, moment, force, P, stages, scratch)
         negative += _invert_pivot(arcs, k, more, stages, scratch)
         weight = scale(load_factor, get_vec(arcs, k, t.WEIGHT))
         _pass_to_arc_before(k, weight, P, stages, scratch)
@@ -95,16 +95,7 @@ def _add_load_stiffness(P: Array, p: Vec, f: Vec) -> None:
 
 
 def _fill_pivot(
-    x: Array,
-    frames: Array,
-    k: int,
-    origin: Vec,
-    moment: Vec,
-    force: Vec,
-    P: Array,
-    arcs: Array,
-    stages: Array,
-    scratch: Array,
+    x: Array, frames: Array, k: int, origin: Vec, moment: Vec, force: Vec, P: Array, stages: Array, scratch: Array
 ) -> None:
     """Fill the residual of arc k; `scratch` (11, 12): in rows 0 to 3 its pivot (4) and what twists ask of it (6).
 

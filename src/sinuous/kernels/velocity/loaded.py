@@ -396,7 +396,7 @@ def _carve_way(buffer: Array, own: RestingBody, n: int, N: int, count: int) -> t
     still[:] = 0.0
     limits, rest = cut(rest, N, SEGMENT_WIDTH)
     seen, rest = cut(rest, 2, CLEARANCES_WIDTH)
-    departure, _ = carve_departure(rest, own.sections, own.body.loads, own.body.lines, still, N)
+    departure = carve_departure(rest, own.sections, own.body.loads, own.body.lines, still, N)
     return Way(q, held, x, tensions), Stack(shares, states, pulls), Proof(departure, limits, seen)
 
 

@@ -36,7 +36,7 @@ from benchmarks.judges.judge import wrong_in
 from benchmarks.motion import known, moving, p5
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
-from benchmarks.problems import clutter, full_poses, paper_poses
+from benchmarks.problems import full_poses, paper_poses
 from benchmarks.real import captured_robot, rows_of
 from benchmarks.wild import calls, experiment, worlds
 from sinuous.cli.app import main as sinuous
@@ -180,7 +180,7 @@ def methods() -> Iterator[Problem]:
     sets = {
         "paper": paper_poses(),
         "full poses": full_poses(0, 12),
-        **{f"clutter {i}": clutter(i, 8) for i in range(4)},
+        **{f"clutter {i}": worlds.clutter(i, 8) for i in range(4)},
     }
     for name, problems in sets.items():
         for method in calls.METHODS:

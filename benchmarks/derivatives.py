@@ -17,13 +17,14 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
-from benchmarks.places.parts import cuboid
+from benchmarks.places.parts import about_z, beside
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.derivatives.parameters import GROUPS, circles_of
 from sinuous.base.arguments import LoadParameter, Parameter
 from sinuous.base.checks import Floats
 from sinuous.kernels.packing import MARGIN
 from sinuous.kernels.tables import LENGTH_SCALE
+from sinuous.model.poses import least_rotation
 from sinuous.scene.moving import moved
 from sinuous.scene.obstacles import Obstacle
 from sinuous.statics.equilibrium import find_equilibrium
@@ -58,14 +59,6 @@ def unit(rng: Generator, across: Floats | None = None) -> Floats:
     return direction / np.linalg.norm(direction)
 
 
-def _placed(size: float, rng: Generator) -> Floats:
-    """Return a random pose (4, 4) as far away as `size`."""
-    turned = np.eye(4)
-    turned[:3, :3] = Rotation.from_quat(rng.normal(size=4)).as_matrix()
-    turned[:3, 3] = size * rng.normal(size=3)
-    return turned
-
-
 def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> sn.Robot:
     """Return a robot in any unit, anywhere: 2 to 6 segments, some of which stretch, some with a tool."""
     size = 10.0 ** rng.uniform(-2.0, 3.0)
@@ -76,9 +69,8 @@ def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> sn.
         tendons = sn.Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None
         chambers = sn.Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None
         segments.append(sn.Segment(span, rng.uniform(2.0, 3.0), None, thick * size, tendons, chambers))
-    tool = _placed(0.3 * size, rng) if rng.random() < 0.5 else None
-    base = _placed(2.0 * size, rng)
-    return sn.Robot(segments, base=base, tool=tool)
+    tool, base = (sn.pose(far * size * rng.normal(size=3), rotation=rng.normal(size=4)) for far in (0.3, 2.0))
+    return sn.Robot(segments, base=base, tool=tool if rng.random() < 0.5 else None)
 
 
 def random_shape(robot: sn.Robot, rng: Generator) -> Floats:
@@ -148,46 +140,21 @@ def at_actuators(rng: Generator) -> sn.Solution:
     return solved_near(robot.changed(segments=segments), q, rng)
 
 
-def _frame(z: Floats, rng: Generator) -> Floats:
-    x = unit(rng, z)
-    return np.column_stack([x, np.cross(z, x), z])
-
-
-Place = Callable[[Floats, Floats, float, float, Generator], Obstacle]
-"""From a point, a normal, how far away, a size and random numbers to an obstacle that begins there."""
-
-
-def _edge(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-    turned = _frame(normal, rng) @ Rotation.from_euler("x", rng.uniform(0.6, 0.9)).as_matrix()
-    edges = (np.array([0.0, y, z]) @ turned.T for y in (size, -size) for z in (size, -size))
-    least = min(edges, key=lambda edge: edge @ normal)
-    return sn.Box(p + away * normal - least, np.full(3, 2.0 * size), turned)
-
-
-def _along(kind: type[sn.Cylinder] | type[sn.Capsule], half: float) -> Place:
-    def make(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
-        middle, axis = p + (away + size) * normal, unit(rng, normal)
-        return kind(middle - half * size * axis, middle + half * size * axis, size)
-
-    return make
-
-
-OBSTACLES: dict[str, Place] = {
-    "sphere": lambda p, n, away, size, _: sn.Sphere(p + (away + size) * n, size),
-    "inside": lambda p, n, away, size, _: sn.Sphere(p + (away - 20.0 * size) * n, 20.0 * size, inside=True),
-    "box": lambda p, n, away, size, rng: sn.Box(p + (away + size) * n, np.full(3, 2.0 * size), _frame(n, rng)),
-    "edge": _edge,
-    "cylinder": _along(sn.Cylinder, 3.0),
-    "capsule": _along(sn.Capsule, 1.0),
-    "half_space": lambda p, n, away, _, rng: sn.HalfSpace(p + away * n, -n),
-    "mesh": lambda p, n, away, size, rng: sn.Mesh(
-        *cuboid(p + (away + size) * n, np.full(3, 2.0 * size), _frame(n, rng))
-    ),
+OBSTACLES: dict[str, tuple[float, float, float]] = {
+    "sphere": (1.0, 1.0, 1.0),
+    "inside": (1.0, 20.0, 1.0),
+    "box": (1.0, 1.0, 1.0),
+    "edge": (1.0, 1.0, 1.0),
+    "cylinder": (3.0, 1.0, 1.0),
+    "capsule": (1.0, 1.0, 1.0),
+    "half_space": (1.0, 1.0, 1.0),
+    "mesh": (1.0, 1.0, 1.0),
 }
+"""Sizes of what may be touched, see `beside`: a box at a face, or at an edge, and others beside their axes."""
 
 
-def touching(kind: str, rng: Generator, beside: float = 0.0) -> Question:
-    """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more.
+def touching(kind: str, rng: Generator, apart: float = 0.0) -> Question:
+    """The body touches an obstacle: its gap is the one that solves keep, and `apart` mean lengths more.
 
     Returns a problem, and the configuration (n, 3) that answers it.
     """
@@ -198,15 +165,18 @@ def touching(kind: str, rng: Generator, beside: float = 0.0) -> Question:
     part[k] *= s
     here = robot.forward(part)[k]
     normal = unit(rng, here[:3, 2])
-    away = robot.radii[k] + (MARGIN + beside) * robot.mean_length
-    size = float(rng.uniform(0.1, 0.4)) * q[k, 2]
-    obstacle = OBSTACLES[kind](here[:3, 3], normal, away, size, rng)
+    away = robot.radii[k] + (MARGIN + apart) * robot.mean_length
+    size = 2.0 * float(rng.uniform(0.1, 0.4)) * q[k, 2] * np.array(OBSTACLES[kind])
+    turn = least_rotation(normal) @ about_z(rng.uniform(0.0, 2.0 * np.pi))[:3, :3]
+    if kind == "edge":
+        turn = turn @ Rotation.from_euler("x", rng.uniform(0.6, 0.9)).as_matrix()
+    obstacle = beside("box" if kind == "edge" else kind, here[:3, 3], normal, away, size, turn)
     return sn.Problem(robot, targets_at(robot, q, rng), [obstacle]), q
 
 
 def beside_obstacles(rng: Generator) -> sn.Solution:
     """The body is near obstacles of any kind, and touches none."""
-    return answer(touching(str(rng.choice(list(OBSTACLES))), rng, beside=float(10.0 ** rng.uniform(-4.0, -1.0))))
+    return answer(touching(str(rng.choice(list(OBSTACLES))), rng, apart=float(10.0 ** rng.uniform(-4.0, -1.0))))
 
 
 def at_obstacles(rng: Generator) -> sn.Solution:

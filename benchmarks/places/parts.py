@@ -20,6 +20,7 @@ import sinuous as sn
 from benchmarks.judges.kinematics import arc_poses
 from sinuous.base.checks import Floats
 from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle
 
 BENDS = {3: 2.4, 5: 2.4, 8: 2.0, 12: 1.6, 20: 1.2}
 """Number of bending segments, and the largest bend of each, rad."""
@@ -351,6 +352,47 @@ def cuboid(center: Floats, size: Floats, rotation: Floats) -> Surface:
 def solid(surface: Surface, name: str) -> Mesh:
     """Return the obstacle that a closed surface bounds."""
     return Mesh(surface.vertices, surface.faces, name=name)
+
+
+LEVEL = 1e-9
+"""Cosine up to which a face, or an edge, is across a direction."""
+
+
+def beside(
+    kind: str, at: Floats, away: Floats, off: float, size: Floats, turn: Floats, aside: Floats | float = 0.0
+) -> Obstacle:
+    """Return an obstacle whose place nearest to a point is `off` away from it.
+
+    Parameters
+    ----------
+    kind : str
+        A `box`, a `mesh` of its triangles, a `capsule` or `cylinder` along the first axis, a `sphere`, one to stay
+        `inside` of, or a `half_space`.
+    at, away : ndarray (3,)
+        The point, and the unit vector from there to that place.
+    off : float
+    size : ndarray (3,)
+        Edges of a box; else the length, and what it is thick.
+    turn : ndarray (3, 3)
+        Rotation whose columns are the axes.
+    aside : ndarray (3,)
+        Where along an edge or on a face that place is, from -1 to 1 on each axis.
+    """
+    radius, along = 0.5 * size[1], away @ turn
+    shift = 0.5 * turn @ (size * np.where(np.abs(along) > LEVEL, np.sign(along), aside))
+    if kind == "half_space":
+        return sn.HalfSpace(at + off * away + shift - (shift @ away) * away, -away)
+    if kind in ("sphere", "inside"):
+        return sn.Sphere(at + (off + (radius if kind == "sphere" else -radius)) * away, radius, inside=kind == "inside")
+    if kind in ("box", "mesh"):
+        middle = at + off * away + shift
+        return sn.Box(middle, size, turn) if kind == "box" else sn.Mesh(*cuboid(middle, size, turn))
+    axis = turn[:, 0]
+    across = away if kind == "capsule" else away - along[0] * axis
+    thick = float(np.linalg.norm(across))
+    middle = at + off * away + (shift @ axis) * axis + (radius / thick * across if thick > LEVEL else 0.0)
+    half = 0.5 * size[0] * axis
+    return (sn.Capsule if kind == "capsule" else sn.Cylinder)(middle - half, middle + half, radius)
 
 
 def joined(surfaces: list[Surface]) -> Surface:

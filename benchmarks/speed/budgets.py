@@ -11,7 +11,8 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Plan, Times
 from benchmarks.places import Place, make
-from benchmarks.problems import among_spheres, arm, clutter, reachable, relative_tolerance
+from benchmarks.problems import among_spheres, arm, reachable, relative_tolerance
+from benchmarks.wild.worlds import clutter
 from sinuous.base.checks import Floats
 from sinuous.methods.method import METHODS, capabilities
 

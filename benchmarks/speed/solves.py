@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from benchmarks.harness import Goal, Line, Plan, Times, in_processes, timed
 from benchmarks.judges.judge import Flags, within_limits
-from benchmarks.problems import ProblemSet, among_spheres, arm, clutter, full_poses, reachable, relative_tolerance
+from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable, relative_tolerance
+from benchmarks.wild.worlds import clutter
 from sinuous.base.checks import Floats
 from sinuous.kernels.compile import entry
 from sinuous.kernels.solve.search import search
@@ -170,7 +171,7 @@ def poses(plan: Plan) -> Iterator[Line]:
     yield Line(POSES, "p99", times.p99, "us", Goal(300e-6))
 
 
-CLAIMS = 'no false "solved": random robots (3 to 6 segments) among all kinds of obstacles, default tolerance'
+CLAIMS = 'no false "solved": random robots of all sorts among all kinds of obstacles, default tolerance'
 TARGETS = 100
 """Targets in one scene."""
 

@@ -8,6 +8,7 @@ import math
 import pickle
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,73 +19,48 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.places.parts import cuboid
-from benchmarks.wild.worlds import UNITS, Judged, asked, demanding, pose_rotation, robot_with_shapes
+from benchmarks.problems import random_configurations
+from benchmarks.wild.worlds import UNITS, Judged, asked, demanding, loaded_robot, pose_rotation, robot_with_shapes
 from sinuous.base.checks import Floats
 
 OBSTACLES = (0, 0, 1, 2, 5, 20)
 
-LOADS = (-6.0, 3.0)
-"""Powers of ten of weight times the square of the length, of the stiffness EI."""
-
 
 def odd_robot(rng: Generator) -> sn.Robot:
-    """A robot of the wild worlds, or one of which much is at the edge of what can be said; some have demands."""
-    own = robot_with_shapes(1, rng, UNITS)[0] if rng.random() < 0.3 else _edged(rng)
-    return demanding(own, rng) if own.self_collision == "avoid" and rng.random() < 0.3 else own
+    """A robot of the wild worlds; of two in three much is at the edge of what can be said, and some have demands."""
+    loaded = rng.random() < 0.25
+    robot = loaded_robot(10.0 ** rng.uniform(-3.0, 3.0), rng) if loaded else robot_with_shapes(1, rng, UNITS)[0]
+    if rng.random() < 0.7:
+        segments = [_edged(each, size_of(robot) / len(robot), rng) for each in robot.segments]
+        with suppress(sn.InputError):  # what demands a clearance from itself has to avoid itself
+            robot = robot.changed(
+                segments=segments,
+                tool=sn.pose((0.0, 0.0, 0.0), direction=(1e-8, 0.0, 1.0)) if rng.random() < 0.25 else robot.tool,
+                mount=float(rng.choice([0.0, 0.0, 0.3, 1.0, 1.5])) * sum(each.length[1] for each in segments),
+                self_collision="avoid" if rng.random() < 0.5 else "allow",
+            )
+    return demanding(robot, rng) if robot.self_collision == "avoid" and rng.random() < 0.3 else robot
 
 
-def _edged(rng: Generator) -> sn.Robot:
-    unit = 10.0 ** rng.uniform(*UNITS)
-    count = int(rng.choice([1, 1, 2, 3, 5, 8, 15]))
-    radius = float(rng.choice([0.0, 1e-6, 0.01, 0.1, 0.6])) * unit
-    drive = str(rng.choice(["none", "none", "tendons", "chambers"]))
-    segments = [_segment(unit, radius, drive, rng) for _ in range(count)]
-    gravity = 9.81 * rng.normal(size=3) if rng.random() < 0.25 else None
-    carried = 10.0 ** rng.uniform(-3.0, 1.0)
-    if gravity is not None:
-        bend = float(np.linalg.norm(gravity)) * carried * (count * unit) ** 2 / 10.0 ** rng.uniform(*LOADS)
-        segments = [_loaded(each, bend, carried / unit, rng) for each in segments]
-    longest = sum(segment.length[1] for segment in segments)
-    return sn.Robot(
-        segments,
-        base=None if rng.random() < 0.5 else sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)),
-        tool=_tool(unit, rng),
-        mount=float(rng.choice([0.0, 0.0, 0.3, 1.0, 1.5])) * longest,
-        self_collision="avoid" if rng.random() < 0.5 else "allow",
-        gravity=gravity,
-        payload=sn.Payload(carried) if gravity is not None and rng.random() < 0.5 else None,
-    )
-
-
-def _segment(unit: float, radius: float, drive: str, rng: Generator) -> sn.Segment:
-    own = unit * float(rng.choice([1e-3, 0.3, 1.0, 1.0, 3.0]))
-    low = own * float(rng.choice([0.0, 1e-9, 0.5, 1.0, 1.0]))
-    bend = float(rng.choice([0.0, 1e-9, 0.3, 2.0, math.pi, 7.0]))
-    curvature = None if rng.random() < 0.7 else float(rng.choice([0.0, 0.1, 3.0])) / own
-    own_radius = radius * float(rng.choice([0.0, 0.5, 1.0, 1.0, 1.0]))
-    arm = 0.1 * unit
-    motor: dict[str, Any] = {"gain": float(rng.choice([-1.0, 1e-3, 200.0])), "offset": float(rng.choice([0.0, 7.0]))}
-    motor = motor if rng.random() < 0.3 else {}
-    tendons = sn.Tendons(3, arm, displacement=(-0.2 * unit, 0.2 * unit), **motor) if drive == "tendons" else None
-    chambers = sn.Chambers(3, arm, length=(0.5 * low, 1.5 * own), **motor) if drive == "chambers" else None
-    return sn.Segment((low, own), bend, curvature, own_radius, tendons, chambers)
-
-
-def _loaded(segment: sn.Segment, bend: float, mass: float, rng: Generator) -> sn.Segment:
-    """The segment with a stiffness EI, or without any, and a mass per length."""
-    if rng.random() < 0.2:
-        return segment.changed(mass=mass)
-    twist, stretch = (bend if rng.random() < 0.5 else None for _ in range(2))
-    return segment.changed(stiffness=sn.Stiffness(bend, twist, stretch), mass=mass, arcs=int(rng.integers(1, 5)))
-
-
-def _tool(unit: float, rng: Generator) -> Floats | None:
-    kind = rng.integers(4)
-    if kind < 2:
-        return None
-    if kind == 2:
-        return sn.pose((0.0, 0.0, 0.0), direction=(1e-8, 0.0, 1.0))
-    return sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
+def _edged(segment: sn.Segment, unit: float, rng: Generator) -> sn.Segment:
+    """The segment with some of its numbers at an edge; what it refuses stays as it was."""
+    own = segment.length[1]
+    gain, offset = float(rng.choice([1.0, -1.0, 1e-3, 200.0])), float(rng.choice([0.0, 7.0]))
+    motor: dict[str, Any] = {"gain": gain, "offset": offset}
+    edges: dict[str, list[Any]] = {
+        "length": [(0.0, own), (1e-9 * own, own), own, (1e-3 * own, 1e-3 * own)],
+        "max_bend": [0.0, 1e-9, 0.3, math.pi, 7.0],
+        "max_curvature": [0.0, 0.1 / own, 3.0 / own],
+        "radius": [0.0, 1e-6 * unit, 0.6 * unit],
+        "tendons": [sn.Tendons(3, 0.1 * unit, displacement=(-0.2 * unit, 0.2 * unit), **motor)],
+        "chambers": [sn.Chambers(3, 0.1 * unit, length=(0.5 * segment.length[0], 1.5 * own), **motor)],
+        "stiffness": [None],
+    }
+    for key, values in edges.items():
+        if rng.random() < 0.2:
+            with suppress(sn.InputError):
+                segment = segment.changed(**{key: values[rng.integers(len(values))]})
+    return segment
 
 
 def size_of(robot: sn.Robot) -> float:
@@ -132,18 +108,14 @@ def _ball(center: Floats, radius: float, places: Floats) -> Floats:
 
 def odd_shape(robot: sn.Robot, rng: Generator) -> Floats:
     """A configuration within all limits; where actuators forbid what was drawn, a straight one of middle length."""
-    low, high = np.array([segment.length for segment in robot.segments]).T
-    for share in (1.0, 0.1, 0.0):
-        lengths = low + (high - low) * (rng.random(len(robot)) if share else 0.5)
-        caps = np.array([s.max_bend for s in robot.segments])
-        with np.errstate(invalid="ignore"):
-            caps = np.minimum(caps, np.nan_to_num(np.array(robot.curvatures) * lengths, nan=0.0))
-        norms = share * (1.0 - 1e-9) * caps * rng.random(len(robot))
-        angles = 2.0 * math.pi * rng.random(len(robot))
-        q = np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
+    q = random_configurations(robot, 1, rng)[0]
+    for share in (1.0 - 1e-9, 0.1, 0.0):
+        q[:, :2] *= share
+        if share == 0.0:
+            q[:, 2] = [0.5 * sum(segment.length) for segment in robot.segments]
         if not robot.violations(q):
             break
-    return np.asarray(q)
+    return q
 
 
 def odd_target(robot: sn.Robot, rng: Generator) -> list[sn.Target]:

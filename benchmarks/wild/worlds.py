@@ -30,10 +30,11 @@ from benchmarks.judges.kinematics import (
     needed_body,
     segment_ends,
     self_body,
+    tip_poses,
 )
 from benchmarks.judges.self_collision import Flags, look, surely_clear
-from benchmarks.places.parts import Surface, cuboid, joined
-from benchmarks.problems import in_ball, target_at
+from benchmarks.places.parts import Surface, beside, cuboid, joined
+from benchmarks.problems import ProblemSet, in_ball, random_configurations, target_at
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
@@ -224,6 +225,9 @@ COUNT_SHARES = (0.15, 0.4, 0.45)
 
 OBSTACLE_KINDS = {"sphere": 0.34, "box": 0.25, "capsule": 0.17, "cylinder": 0.18, "half_space": 0.06}
 
+SOLIDS = ((0.02, 0.7), (0.02, 0.3), (0.02, 0.3))
+"""Range of their length and of their two thicknesses, in lengths of a segment."""
+
 RICH = 0.02
 """Share of scenes with a mesh, and of those with a cloud: preparing them takes longer than all the rest."""
 
@@ -242,7 +246,7 @@ def scene_about(robot: sn.Robot, q: Floats, rng: Generator) -> sn.Scene:
     kinds = rng.choice(list(OBSTACLE_KINDS), p=list(OBSTACLE_KINDS.values()), size=max(0, count - len(drawn)))
     drawn += [_solid(str(kind), *_place(points, radii, unit, rng), unit, rng) for kind in kinds]
     if count and rng.random() < RICH:
-        drawn.append(_mesh(_place(points, radii, unit, rng), unit, rng))
+        drawn.append(_solid("mesh", *_place(points, radii, unit, rng), unit, rng))
     if count and rng.random() < RICH:
         cloud = points.mean(axis=0) + unit * np.array([in_ball(rng) for _ in range(100)])
         drawn.append(sn.PointCloud(_clear_of(points, radii, cloud, 0.02 * unit), 0.01 * unit))
@@ -279,20 +283,9 @@ def _place(points: Floats, radii: Floats, unit: float, rng: Generator) -> tuple[
 
 
 def _solid(kind: str, at: Floats, away: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
-    """Draw an obstacle that begins `off` from a place: its extent towards it is that of its support."""
-    radius = unit * rng.uniform(0.01, 0.15)
-    if kind == "sphere":
-        return sn.Sphere(at + (off + radius) * away, radius)
-    if kind == "half_space":
-        return sn.HalfSpace(at + off * away, -away)
-    rotation = least_rotation(away) @ _turn(rng)
-    if kind == "box":
-        size = unit * rng.uniform(0.02, 0.5, 3)
-        return sn.Box(at + (off + 0.5 * float(np.abs(away @ rotation) @ size)) * away, size, rotation)
-    half = 0.5 * unit * rng.uniform(0.05, 1.0) * rotation[:, 0]
-    radius *= 0.5
-    middle = at + (off + abs(float(half @ away)) + radius) * away
-    return (sn.Capsule if kind == "capsule" else sn.Cylinder)(middle - half, middle + half, radius)
+    """Draw an obstacle that begins `off` from a place."""
+    size, turn = unit * rng.uniform(*np.transpose(SOLIDS)), least_rotation(away) @ _turn(rng)
+    return beside(kind, at, away, off, size, turn, rng.uniform(-1.0, 1.0, 3))
 
 
 def _turn(rng: Generator) -> Floats:
@@ -322,13 +315,6 @@ def _room(points: Floats, radii: Floats, unit: float, rng: Generator) -> Obstacl
         radius = float((np.linalg.norm(across, axis=1) + radii).max() + room[0])
         return sn.Cylinder(middle - half[2] * rotation[:, 2], middle + half[2] * rotation[:, 2], radius, inside=True)
     return sn.Mesh(*cuboid(middle, 2.0 * half, rotation), inside=True)
-
-
-def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> sn.Mesh:
-    at, away, off = place
-    half = unit * rng.uniform(0.02, 0.2, 3)
-    rotation = pose_rotation(rng.normal(size=4))
-    return sn.Mesh(*cuboid(at + (off + float(np.abs(away @ rotation) @ half)) * away, 2.0 * half, rotation))
 
 
 LIMIT = 1.0
@@ -364,6 +350,28 @@ CELLS = 24
 
 SHORT = 0.05
 """Budget of one solve, in seconds, of kinds whose problems are often impossible: what counts there are claims."""
+
+
+class Sort(NamedTuple):
+    """Ranges of length, largest bend (rad) and radius of a sort of segment, lengths in units; and if it stretches."""
+
+    length: tuple[float, float]
+    bend: tuple[float, float]
+    radius: tuple[float, float]
+    stretches: bool = False
+
+
+UNEVEN = (
+    Sort((0.03, 0.2), (0.5, 2.5), (0.002, 0.02)),  # turns at once
+    Sort((0.2, 1.0), (0.0, 0.0), (0.002, 0.02)),  # a rigid link
+    Sort((0.2, 1.2), (0.5, 3.0), (0.002, 0.02), stretches=True),
+)
+PLAIN = (Sort((0.5, 1.5), (0.5, 3.0), (0.01, 0.1), stretches=True),)
+OF_ALL_RADII = (
+    Sort((0.5, 1.5), (0.5, 3.0), (0.05, 0.15)),
+    Sort((0.3, 1.5), (1.0, 6.0), (0.003, 0.03)),
+    Sort((1e-3, 0.05), (1.0, 3.1), (0.0, 0.0)),  # a hinge
+)
 
 DRAWS = 30
 """Draws of a scene before another robot is drawn."""
@@ -452,7 +460,7 @@ def mounts(seed: int, number: int) -> World:
 
     def drawn() -> tuple[sn.Robot, Floats]:
         unit = 10.0 ** rng.uniform(-2.0, 2.0)
-        segments = [_uneven(unit, rng) for _ in range(int(rng.integers(2, 7)))]
+        segments = [_sorted(UNEVEN, unit, rng) for _ in range(int(rng.integers(2, 7)))]
         longest = sum(segment.length[1] for segment in segments)
         base = sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
         robot = sn.Robot(segments, mount=rng.uniform(0.05, 1.0) * longest, base=base)
@@ -479,7 +487,7 @@ def huge(seed: int, number: int) -> World:
     while True:
         unit = 10.0 ** rng.uniform(-1.0, 1.0)
         robot = sn.Robot(
-            [_plain(unit, rng) for _ in range(int(rng.integers(1, 4)))], base=sn.pose(unit * rng.normal(size=3))
+            [_sorted(PLAIN, unit, rng) for _ in range(int(rng.integers(1, 4)))], base=sn.pose(unit * rng.normal(size=3))
         )
         q = shapes_of(robot, 1, rng)
         for _ in range(DRAWS if len(q) else 0):
@@ -522,7 +530,7 @@ def radii(seed: int, number: int) -> World:
     rng = np.random.default_rng([seed, 15, number])
     while True:
         unit = 10.0 ** rng.uniform(-2.0, 2.0)
-        robot = sn.Robot([_thick_or_thin(unit, rng) for _ in range(int(rng.integers(3, 9)))])
+        robot = sn.Robot([_sorted(OF_ALL_RADII, unit, rng) for _ in range(int(rng.integers(3, 9)))])
         q = shapes_of(robot, SHAPES, rng)
         if len(q):
             return World(robot, sn.Scene(), _tolerance(robot, rng), asked(robot, q, rng), q)
@@ -560,7 +568,7 @@ def loaded(seed: int, number: int) -> World:
     """Robots that bend under gravity and payload among obstacles, at drives whose bodies at rest are clear."""
     rng = np.random.default_rng([seed, 23, number])
     while True:
-        robot = _loaded_robot(10.0 ** rng.uniform(-3.0, 3.0), rng)
+        robot = loaded_robot(10.0 ** rng.uniform(-3.0, 3.0), rng)
         q = shapes_of(robot, 6, rng)
         q = q[standing(robot, q)]
         if len(q) == 0:
@@ -586,6 +594,26 @@ def jointed(seed: int, number: int) -> World:
         return robot, jointed_shapes(robot, JOINTED, CLEAR * robot.mean_length, rng)
 
     return replace(_about(drawn, rng), time=JOINTED_BUDGET)
+
+
+CLUTTERED, ABOUT = (-1.3, -0.5), 4
+"""Powers of ten between which a segment in clutter is long; and shapes that obstacles leave room for."""
+
+
+def clutter(seed: int, count: int) -> ProblemSet:
+    """Return anything that can be built, and targets: of clear configurations, and as many of any others.
+
+    The latter overlap something, or themselves, more often than not, and are often impossible.
+    """
+    rng = np.random.default_rng([seed, 24])
+    while True:
+        robot, q = robot_with_shapes(count - count // 2, rng, CLUTTERED)
+        scene = scene_about(robot, q[:ABOUT], rng) if len(q) else sn.Scene()
+        if len(scene):
+            break
+    q = np.concatenate([q, random_configurations(robot, count - len(q), rng)])
+    targets = [target_at(tip, str(rng.choice(["position", "direction", "rotation"]))) for tip in tip_poses(robot, q)]
+    return ProblemSet(robot, targets, scene, sn.Tolerance().for_robot(robot))
 
 
 AUDITED: dict[str, Callable[[int, int], World]] = {
@@ -669,56 +697,27 @@ def _tolerance(robot: sn.Robot, rng: Generator) -> sn.Tolerance:
     return sn.Tolerance(position * robot.mean_length, angle)
 
 
-def _uneven(unit: float, rng: Generator) -> sn.Segment:
-    """A segment that turns at once, a rigid link, or an ordinary segment."""
-    radius = unit * rng.uniform(0.002, 0.02)
-    kind = rng.integers(3)
-    if kind == 0:
-        return sn.Segment(unit * rng.uniform(0.03, 0.2), rng.uniform(0.5, 2.5), radius=radius)
-    if kind == 1:
-        return sn.Segment(unit * rng.uniform(0.2, 1.0), 0.0, radius=radius)
-    low, high = np.sort(unit * rng.uniform(0.2, 1.2, 2))
-    return sn.Segment((float(low), float(high)), rng.uniform(0.5, 3.0), radius=radius)
-
-
-def _plain(unit: float, rng: Generator) -> sn.Segment:
-    low, high = unit * rng.uniform(0.5, 1.0), unit * rng.uniform(1.0, 1.5)
-    return sn.Segment((low, high), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.01, 0.1))
-
-
-def _thick_or_thin(unit: float, rng: Generator) -> sn.Segment:
-    """A thick segment, a thin one, or a hinge."""
-    kind = rng.integers(3)
-    if kind == 0:
-        return sn.Segment(unit * rng.uniform(0.5, 1.5), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.05, 0.15))
-    if kind == 1:
-        return sn.Segment(unit * rng.uniform(0.3, 1.5), rng.uniform(1.0, 6.0), radius=unit * rng.uniform(0.003, 0.03))
-    return sn.Segment(unit * rng.uniform(1e-3, 0.05), rng.uniform(1.0, 3.1), radius=0.0)
+def _sorted(sorts: tuple[Sort, ...], unit: float, rng: Generator) -> sn.Segment:
+    """Draw a segment of one of these sorts."""
+    sort = sorts[rng.integers(len(sorts))]
+    low, high = sorted(unit * rng.uniform(*sort.length, 2))
+    length = (low, high) if sort.stretches else high
+    return sn.Segment(length, rng.uniform(*sort.bend), radius=unit * rng.uniform(*sort.radius))
 
 
 def _huge(at: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
     """An obstacle that begins `off` from a place. Its axes are those of the world, so no rotation of it is rounded."""
-    size = unit * 10.0 ** rng.uniform(*HUGE)
-    kind = rng.choice(["sphere", "room", "box", "half-space", "capsule", "cylinder"])
-    axis, side = np.eye(3)[rng.integers(3)], rng.choice([-1.0, 1.0])
-    away = rng.normal(size=3)
-    away /= np.linalg.norm(away)
-    if kind == "sphere":
-        return sn.Sphere(at + (off + size) * away, size)
-    if kind == "room":
-        return sn.Sphere(at + (size - off) * away, size, inside=True)
-    if kind == "half-space":
-        return sn.HalfSpace(at + side * off * axis + size * (rng.normal(size=3) * (1.0 - axis)), -side * axis)
-    if kind == "box":
-        sides = size * rng.uniform(0.5, 2.0, 3)
-        across = 0.4 * sides * rng.uniform(-1.0, 1.0, 3) * (1.0 - axis)
-        return sn.Box(at + side * (off + 0.5 * sides @ axis) * axis + across, sides)
-    other = np.roll(axis, 1)
-    middle = at + side * (off + size) * axis + 0.4 * size * rng.uniform(-1.0, 1.0) * other
-    return (sn.Capsule if kind == "capsule" else sn.Cylinder)(middle - size * other, middle + size * other, size)
+    size = unit * 10.0 ** rng.uniform(*HUGE) * rng.uniform(0.5, 2.0, 3)
+    turn = np.roll(np.eye(3), rng.integers(3), axis=1)
+    kind = str(rng.choice(["sphere", "inside", "box", "half_space", "capsule", "cylinder"]))
+    away = rng.choice([-1.0, 1.0]) * turn[:, rng.integers(3)]
+    if kind in ("sphere", "inside"):
+        away = in_ball(rng)
+        away /= np.linalg.norm(away)
+    return beside(kind, at, away, off, size, turn, rng.uniform(-0.8, 0.8, 3))
 
 
-def _loaded_robot(unit: float, rng: Generator) -> sn.Robot:
+def loaded_robot(unit: float, rng: Generator) -> sn.Robot:
     """A robot of 1 to 5 segments of 1 to 4 arcs, whose weight bends it a little or much."""
     count, arcs = int(rng.integers(1, 6)), int(rng.integers(1, 5))
     longest = count * 1.2 * unit

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.problems import clutter, random_configurations
+from benchmarks.problems import random_configurations
+from benchmarks.wild.worlds import clutter
 from sinuous.answer.verification import verify
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.packing import pose_row

@@ -19,6 +19,7 @@ from benchmarks.judges.kinematics import arc_poses, body_points, segment_ends, t
 from benchmarks.judges.self_collision import FINEST, look, surely_clear
 from benchmarks.motion.limits import KINDS, arm, drawn, is_false, most_pulled
 from benchmarks.problems import random_configurations
+from benchmarks.wild import worlds
 from tests.helpers import Floats, with_each
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
@@ -102,7 +103,7 @@ def test_limits_of_actuators_are_what_the_robot_says(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(2))
 def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
     """Clearly free and clearly touching bodies, as told by the library's own distances, are told so."""
-    asked = problems.clutter(seed, 60)
+    asked = worlds.clutter(seed, 60)
     robot, scene = asked.robot, asked.scene
     q = problems.random_configurations(robot, 60, np.random.default_rng(seed))
     points, along = body_points(robot, q, 400)

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from benchmarks.judges.primitives import KINDS, distances_to
-from benchmarks.problems import clutter
+from benchmarks.wild.worlds import clutter
 from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, Primitive, Sphere
 from tests.helpers import with_each

@@ -69,8 +69,13 @@ def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> sn.
         tendons = sn.Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None
         chambers = sn.Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None
         segments.append(sn.Segment(span, rng.uniform(2.0, 3.0), None, thick * size, tendons, chambers))
-    tool, base = (sn.pose(far * size * rng.normal(size=3), rotation=rng.normal(size=4)) for far in (0.3, 2.0))
-    return sn.Robot(segments, base=base, tool=tool if rng.random() < 0.5 else None)
+    tool = _pose(0.3 * size, rng) if rng.random() < 0.5 else None
+    return sn.Robot(segments, base=_pose(2.0 * size, rng), tool=tool)
+
+
+def _pose(size: float, rng: Generator) -> Floats:
+    turn = rng.normal(size=4)
+    return sn.pose(size * rng.normal(size=3), xyzw=turn)
 
 
 def random_shape(robot: sn.Robot, rng: Generator) -> Floats:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from sinuous.base.errors import InputError
 from sinuous.cli.app import execute
 
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
@@ -84,7 +83,6 @@ Out = Annotated[
 ]
 Seed = Annotated[int, typer.Option(help="Of all random problems.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
-Rounds = Annotated[int, typer.Option(help="Of wild, 100,000 fresh problems each.")]
 Record = Annotated[Path | None, typer.Option(metavar="FOLDER", help="Also keep the report there as NAME.txt.")]
 Parts = Annotated[
     list[str] | None,
@@ -94,28 +92,19 @@ Parts = Annotated[
 
 @app.command(epilog="Exit codes: 0 all claims held, 1 one did not, 2 bad input, 130 interrupted.")
 def run(
-    name: Name,
-    out: Out = None,
-    seed: Seed = 0,
-    quick: Quick = False,
-    rounds: Rounds = 1,
-    record: Record = None,
-    piece: Parts = None,
+    name: Name, out: Out = None, seed: Seed = 0, quick: Quick = False, record: Record = None, piece: Parts = None
 ) -> None:
     """Measure."""
     from sinuous.base import checks  # noqa: PLC0415
 
     checks.choice("NAME", name, tuple(KNOWN))
     checks.integer("--seed", seed, 0, 2**31 - 1)
-    checks.integer("--rounds", rounds, 1, 100)
-    if rounds > 1 and name != "wild":
-        raise InputError("--rounds", "is for wild", rounds, f"nothing with {name}")
     from benchmarks.harness import Plan, conduct, ignore_suspicions, require  # noqa: PLC0415
 
     ignore_suspicions()
     require()
     try:
-        raise typer.Exit(conduct(experiment(name, Plan(seed, quick, rounds), piece or ()), out, record))
+        raise typer.Exit(conduct(experiment(name, Plan(seed, quick), piece or ()), out, record))
     except KeyboardInterrupt:
         typer.echo("benchmarks: interrupted before anything was measured", err=True)
         raise typer.Exit(INTERRUPTED) from None

@@ -13,7 +13,20 @@ from typing import Annotated
 import typer
 
 import sinuous as sn
-from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, Trial, in_processes, number, refuted, timed
+from benchmarks.harness import (
+    Divided,
+    Experiment,
+    Goal,
+    Line,
+    Plan,
+    Times,
+    Trial,
+    in_processes,
+    listed,
+    number,
+    refuted,
+    timed,
+)
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right
@@ -109,7 +122,7 @@ def lines_of(family: str, shares: Sequence[Sequence[Trial]]) -> Iterator[Line]:
     median = PUBLISHED_MEDIAN if own.published else NARROW_MEDIAN if "1.3" in family else MEDIAN
     wanted = {"median": median, "p95": TAIL, "worst": WORST}
     late = [f"{name} over {number(most, 'ms')}" for name, most in wanted.items() if getattr(line.times, name) > most]
-    failed = ", ".join(f"{trial.number} ({trial.status})" for trial in trials if not trial.good(LIMIT))
+    failed = listed([f"{trial.number} ({trial.status})" for trial in trials if not trial.good(LIMIT)])
     yield replace(line, note="; ".join([*late, *([f"not solved: {failed}"] if failed else [])]))
 
 

@@ -113,7 +113,7 @@ class Goal:
 class Trial(NamedTuple):
     """What came of a call: its number, seconds, status, what a judge found wrong (or ""), and what start won."""
 
-    number: int
+    number: int | str
     seconds: float
     status: str
     wrong: str = ""
@@ -169,7 +169,7 @@ def counted(
     planned: str, false: str, what: str, trials: Sequence[Trial], limit: float, share: float | None = None
 ) -> Iterator[Line]:
     """Count what is planned within the limit (s), of which a share (%) may be wanted, and what a judge refutes."""
-    missed = ", ".join(f"{trial.number} ({trial.status})" for trial in trials if not trial.good(limit))
+    missed = listed([f"{trial.number} ({trial.status})" for trial in trials if not trial.good(limit)])
     good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
     times, note = Times.of([trial.seconds for trial in trials]), f"not within {limit:g} s: {missed}" if missed else ""
     yield Line(planned, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
@@ -179,7 +179,16 @@ def counted(
 def refuted(false: str, what: str, found: Mapping[str, Sequence[Trial]]) -> Line:
     """Count what a judge refutes, and name it: by number, of kinds that have names also by these."""
     named = [f"{name} {trial.number} ({trial.wrong})" for name, own in found.items() for trial in own if trial.wrong]
-    return Line(false, what, len(named), "", Goal(0, correctness=True), note=", ".join(named).strip())
+    return Line(false, what, len(named), "", Goal(0, correctness=True), note=listed(named).strip())
+
+
+SHOWN = 40
+"""Most names in a note."""
+
+
+def listed(names: Sequence[str]) -> str:
+    """Say the first names, and how many more there are."""
+    return ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
 
 
 def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:
@@ -233,7 +242,8 @@ def number(value: float, unit: str) -> str:
     scaled = value * UNITS.get(unit, 1.0)
     if not math.isfinite(scaled):
         return "none"
-    text = f"{scaled:.0f}" if scaled == round(scaled) or abs(scaled) >= 1000 else f"{scaled:.3g}"
+    digits = 5 if unit == "%" and scaled > 99.0 else 3  # what is not quite all
+    text = f"{scaled:.0f}" if scaled == round(scaled) or abs(scaled) >= 1000 else f"{scaled:.{digits}g}"
     return f"{text} {unit}".strip()
 
 
@@ -299,13 +309,10 @@ class Plan:
     seed : int
     quick : bool
         Whether to cut all counts down, to see in seconds that everything runs.
-    rounds : int
-        Of `wild`, each with fresh problems.
     """
 
     seed: int = 0
     quick: bool = False
-    rounds: int = 1
 
     def count(self, full: int, quick: int) -> int:
         """Choose between the two sizes of an experiment."""
@@ -637,8 +644,6 @@ def report(
     shown = {**facts, "seed": str(plan.seed)}
     if experiment.protocol:
         shown["protocol"] = experiment.protocol
-    if plan.rounds > 1:
-        shown["rounds"] = str(plan.rounds)
     parts = ["\n".join(f"- {key}: {value}" for key, value in shown.items() if value != "not installed")]
     if plan.quick:
         parts.append("A quick run: counts are cut down, figures mean little.")

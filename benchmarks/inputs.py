@@ -64,7 +64,7 @@ class Written(NamedTuple):
 
 
 class Dialect(NamedTuple):
-    """A text of columns, as some program might write it; rows (k,) in which coordinates say nan; and if it is whole."""
+    """A text of columns, as some program might write it; rows (k,) whose own columns say nan; and if it is whole."""
 
     content: bytes
     lost: Any
@@ -80,7 +80,7 @@ def dialect(rng: Generator, columns: dict[str, Any], others: int, titled: bool, 
     count = len(next(iter(columns.values())))
     form = str(rng.choice(["%.6f", "%.5e", "%.4f"]))
     beside = [str(each) for each in rng.choice(OTHERS, others, False)]
-    names = [*columns, *beside]
+    asked, names = set(columns), [*columns, *beside]
     columns = columns | {name: np.arange(count) * (1.0 if name == "id" else 0.5) for name in beside}
     order = rng.permutation(len(names)) if titled else np.arange(len(names))
     separator = str(rng.choice([",", ";", "\t", " ", ", ", "   "]))
@@ -88,7 +88,7 @@ def dialect(rng: Generator, columns: dict[str, Any], others: int, titled: bool, 
     rows = [[form % columns[names[i]][k] for i in order] for k in range(count)]
     lost = np.flatnonzero(rng.random(count) < 0.2) if gaps and rng.random() < 0.2 else np.empty(0, np.intp)
     for k in lost:
-        rows[k] = ["nan" if names[i] in AXES else cell for i, cell in zip(order, rows[k], strict=True)]
+        rows[k] = ["nan" if names[i] in asked else cell for i, cell in zip(order, rows[k], strict=True)]
     if comma:
         rows = [[cell.replace(".", ",") for cell in row] for row in rows]
     lines = [separator.join(row) for row in rows]
@@ -106,49 +106,32 @@ def dialect(rng: Generator, columns: dict[str, Any], others: int, titled: bool, 
     return Dialect(text.encode("utf-16" if gaps and rng.random() < 0.05 else "utf-8"), lost, whole)
 
 
-def _points(rng: Generator) -> Floats:
-    return rng.normal(scale=100.0, size=(int(rng.integers(3, 30)), 3))
+MOTORS = ["s1.1", "s1.2", "s1.3"]
 
 
-def _named(points: Floats, names: Sequence[str] = AXES) -> dict[str, Any]:
-    return dict(zip(names, points.T, strict=True))
-
-
-def table(rng: Generator) -> Written:
-    """A text of points, of which the columns are told by names, by their order, or by `columns=`."""
-    points = _points(rng)
-    own = dialect(rng, _named(points), int(rng.integers(0, 4)), rng.random() < 0.7)
-    ending = str(rng.choice(["csv", "txt", "xyz", "pts", "asc", "tsv"]))
-    return Written(f"scan.{ending}", own.content, np.delete(points, own.lost, axis=0), _dropped(), own.whole)
-
-
-def chosen_columns(rng: Generator) -> Written:
-    """A text of points in columns of other names, or none, which `columns=` says."""
-    points, names = _points(rng), ["east", "north", "up"]
-    titled = rng.random() < 0.5
-    own = dialect(rng, _named(points, names), int(rng.integers(0, 3)), titled)
-    options = _dropped() | {"columns": names if titled else [1, 2, 3]}
-    return Written("scan.csv", own.content, points, options, own.whole)
-
-
-def path(rng: Generator) -> Written:
-    """The waypoints of a path, beside its problem file."""
-    points = _points(rng)
-    own = dialect(rng, _named(points), 0, True, gaps=False)
-    return Written("path.csv", own.content, points, {}, own.whole, _read_path)
+def tabled(
+    names: Sequence[str],
+    others: int,
+    titles: float,
+    rng: Generator,
+    reader: Callable[..., tuple[Floats, bool]] | None = None,
+) -> Written:
+    """A text of rows, in what share of the cases with titles; other names than of axes are said by `columns=`."""
+    points = rng.normal(scale=100.0, size=(int(rng.integers(3, 30)), len(names)))
+    columns: dict[str, Any] = dict(zip(names, points.T, strict=True))
+    titled, gaps, axes = rng.random() < titles, reader is None, list(names) == list(AXES)
+    own = dialect(rng, columns, int(rng.integers(0, others + 1)), titled, gaps)
+    ending = str(rng.choice(["csv", "txt", "xyz", "pts", "asc", "tsv"])) if gaps and axes else "csv"
+    options = _dropped() if gaps else {}
+    if gaps and not axes:
+        options["columns"] = list(names) if titled else [1, 2, 3]
+    return Written(f"rows.{ending}", own.content, np.delete(points, own.lost, axis=0), options, own.whole, reader)
 
 
 def _read_path(file: Path, **_: Any) -> tuple[Floats, bool]:
     problem = file.with_name("problem.yaml")
     problem.write_text(f"robot: {{segments: {{count: 3, length: 1}}}}\npath: {file.name}\n")
     return np.array([targets[0].position for targets in sn.load(problem, sn.Job).waypoints]), False
-
-
-def batch(rng: Generator) -> Written:
-    """A table of targets of a batch; rows that cannot be read are NaN there, and reported one by one."""
-    points = _points(rng)
-    own = dialect(rng, _named(points), int(rng.integers(0, 3)), True, gaps=False)
-    return Written("targets.csv", own.content, points, {}, own.whole, _read_batch)
 
 
 def _read_batch(file: Path, **_: Any) -> tuple[Floats, bool]:
@@ -159,17 +142,6 @@ def _read_batch(file: Path, **_: Any) -> tuple[Floats, bool]:
         source.close()
     kept = np.isfinite(read["positions"]).all(axis=1)
     return read["positions"][kept], not kept.all()
-
-
-MOTORS = ["s1.1", "s1.2", "s1.3"]
-
-
-def measured(rng: Generator) -> Written:
-    """Measured rows: three actuators and a tip."""
-    points, motors = _points(rng), rng.normal(size=(30, 3))
-    both = np.concatenate([points, motors[: len(points)]], axis=1)
-    own = dialect(rng, _named(both, [*AXES, *MOTORS]), int(rng.integers(0, 3)), True, gaps=False)
-    return Written("rows.csv", own.content, both, {}, own.whole, _read_measured)
 
 
 def _read_measured(file: Path, **_: Any) -> tuple[Floats, bool]:
@@ -287,22 +259,17 @@ def npy(rng: Generator) -> Written:
 
 def stl(rng: Generator) -> Written:
     """An STL file, as text or binary, with a header that may say axes or units."""
+    import trimesh  # noqa: PLC0415
+
     corners, faces = _box(rng)
-    triangles = corners[faces]
     said = str(rng.choice(["", "SPACE=LPS", "UNITS=mm"], p=[0.6, 0.2, 0.2]))
-    if rng.random() < 0.5:
-        facets = "".join(
-            "facet normal 0 0 0\nouter loop\n"
-            + "".join(f"vertex {x:.6f} {y:.6f} {z:.6f}\n" for x, y, z in triangle)
-            + "endloop\nendfacet\n"
-            for triangle in triangles
-        )
-        end = str(rng.choice(["endsolid", "end solid", "ENDSOLID part"]))
-        content = f"solid part {said}\n{facets}{end}\n".encode()
+    text, end = rng.random() < 0.5, str(rng.choice(["endsolid", "end solid", "ENDSOLID part"]))
+    box: Any = trimesh.Trimesh(corners, faces, process=False).export(file_type="stl_ascii" if text else "stl")
+    if text:
+        _, _, facets = box.partition("\n")
+        content = f"solid part {said}\n{facets.replace('endsolid', end)}\n".encode()
     else:
-        content = said.encode().ljust(80) + struct.pack("<I", len(faces))
-        for triangle in triangles:
-            content += struct.pack("<12fH", 0, 0, 0, *triangle.ravel(), 0)
+        content = said.encode().ljust(80) + box[80:]
     return _cut(rng, Written("part.stl", content, corners, {"scale": 1.0}, True))
 
 
@@ -319,11 +286,11 @@ def of_trimesh(ending: str, rng: Generator) -> Written:
 
 
 KINDS: dict[str, Callable[[Generator], Written]] = {
-    "tables": table,
-    "tables with columns=": chosen_columns,
-    "paths": path,
-    "batches": batch,
-    "measured rows": measured,
+    "tables": partial(tabled, AXES, 3, 0.7),
+    "tables with columns=": partial(tabled, ["east", "north", "up"], 2, 0.5),
+    "paths": partial(tabled, AXES, 0, 1.0, reader=_read_path),
+    "batches": partial(tabled, AXES, 2, 1.0, reader=_read_batch),
+    "measured rows": partial(tabled, [*AXES, *MOTORS], 2, 1.0, reader=_read_measured),
     "live clouds": live,
     "las": las,
     "3mf": threemf,

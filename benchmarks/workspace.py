@@ -15,6 +15,7 @@ from scipy.ndimage import binary_dilation
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan
+from benchmarks.problems import random_configurations
 from benchmarks.real import captured_robot
 from sinuous.base.checks import Floats
 
@@ -58,7 +59,7 @@ def _sampled(robot: sn.Robot, found: sn.studies.Reach, plan: Plan, count: int) -
     for _ in range(IN_CONE if len(found.directions) else 1):
         left = np.flatnonzero(~solved)
         if len(found.directions):
-            some = once.solve_many(positions=places[left], initial=_shapes(robot, len(left), rng))
+            some = once.solve_many(positions=places[left], initial=random_configurations(robot, len(left), rng))
             along = robot.tip(some.q)[:, :3, 2] @ found.directions[0]
             aimed = solver.solve_many(positions=places[left], directions=_in_cone(found.directions[0], len(left), rng))
             solved[left] = (some.solved & (along > math.cos(WITHIN))) | aimed.solved
@@ -78,21 +79,13 @@ def _in_cone(axis: Floats, count: int, rng: np.random.Generator) -> Floats:
     return np.asarray(z[:, None] * axis + np.sqrt(1.0 - z * z)[:, None] * ring)
 
 
-def _shapes(robot: sn.Robot, count: int, rng: np.random.Generator) -> Floats:
-    """Random shapes (count, n, 3), within the limits of bends."""
-    turn = rng.uniform(0.0, math.tau, (count, len(robot)))
-    bend = rng.uniform(0.0, robot.largest_bends, (count, len(robot)))
-    lengths = np.broadcast_to([segment.length[1] for segment in robot.segments], bend.shape)
-    return np.stack([bend * np.cos(turn), bend * np.sin(turn), lengths], axis=-1)
-
-
 def _missed(robot: sn.Robot, found: sn.studies.Reach, plan: Plan, count: int) -> float:
     """Share, in %, of tips of random shapes that are clear, in voxels of which none around is reached."""
     rng = plan.rng(2)
     tips: list[Floats] = []
     scene = sn.Scene(_obstacles(robot)).snapshot()
     while sum(map(len, tips)) < count:
-        q = _shapes(robot, count, rng)
+        q = random_configurations(robot, count, rng)
         clear = (scene.distance(robot.backbone(q, 8)) > max(robot.radii)).all(axis=-1)
         tips.append(robot.tip(q[clear])[:, :3, 3])
     near = binary_dilation(found.reachable, np.ones((3, 3, 3), np.bool_))

@@ -22,7 +22,6 @@ from benchmarks.places.parts import (
     draw_flat_shape,
     draw_shape,
     hollow,
-    joined,
     keeps_from_itself,
     lengthened,
     offshoots,
@@ -404,7 +403,8 @@ def bronchi(robot: Robot, rng: Generator) -> Sketch | None:
     samples = math.ceil(q[:, 2].max() / (STEP * radius))
     poses = lengthened(curve_of(robot, q, samples).poses, end * radius)
     main, widths = poses[:, :3, 3], radius * np.linspace(begin, end, len(poses))
-    draw, most = partial(_twig, poses, radius, rng), int(rng.integers(TWIGS[0], TWIGS[1] + 1))
+    draw = partial(_offshoot, poses, radius, TWIG_BEND, TWIG, rng)
+    most = int(rng.integers(TWIGS[0], TWIGS[1] + 1))
     twigs = offshoots(main, draw, most, most, (begin + WALL) * radius)
     if not twigs:
         return None
@@ -441,15 +441,6 @@ def _vessel_piped(poses: Floats, radius: float, rng: Generator) -> Floats:
     return poses[max(1, round(rng.uniform(*BEFORE) * last)) : end]
 
 
-def _twig(poses: Floats, radius: float, rng: Generator) -> Floats:
-    """Draw an arc (k, 3) that leaves a way (m, 4, 4)."""
-    at = poses[int(rng.uniform(0.1, 0.8) * len(poses))]
-    plane, bend, length = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(*TWIG_BEND), radius * rng.uniform(*TWIG)
-    coordinates = np.array([bend * math.cos(plane), bend * math.sin(plane), length])
-    points: Floats = arc(at, coordinates, math.ceil(length / (STEP * radius)))[:, :3, 3]
-    return points
-
-
 def pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Wall in the hidden shape with a pipe of `width` times the radius of the body."""
     radius = min(robot.radii)
@@ -481,28 +472,25 @@ def duct(robot: Robot, rng: Generator) -> Sketch | None:
     q = draw_shape(robot, 2.1 * DUCT_OUTSIDE * radius, rng)
     samples = math.ceil(max(q[:, 2]) / (STEP * radius))
     main = lengthened(curve_of(robot, q, samples).poses, DUCT_INSIDE * radius)
-    draw, wanted = partial(_branch, main, radius, rng), int(rng.integers(DUCT_FEWEST, DUCT_MOST + 1))
+    draw = partial(_offshoot, main, radius, DEAD_END_BEND, DEAD_END, rng)
+    wanted = int(rng.integers(DUCT_FEWEST, DUCT_MOST + 1))
     ends = offshoots(main[:, :3, 3], draw, wanted, DUCT_TRIES, DUCT_OUTSIDE * radius)
     if len(ends) < DUCT_FEWEST:
         return None
-    tree = cKDTree(np.concatenate([main[:, :3, 3], *ends]))
-    cell = DUCT_CELL * radius
-    wall = joined([_at(tree, DUCT_OUTSIDE * radius, cell), _at(tree, DUCT_INSIDE * radius, cell).turned])
-    return Sketch(robot, [solid(wall, "duct")], q)
+    axes = np.concatenate([main[:, :3, 3], *ends])
+    outer, inner = (np.full(len(axes), size * radius) for size in (DUCT_OUTSIDE, DUCT_INSIDE))
+    return Sketch(robot, [solid(lumen(axes, outer, axes, inner, DUCT_CELL * radius), "duct")], q)
 
 
-def _branch(main: Floats, radius: float, rng: Generator) -> Floats:
+def _offshoot(
+    main: Floats, radius: float, bends: tuple[float, float], lengths: tuple[float, float], rng: Generator
+) -> Floats:
     """Draw an arc that leaves the way somewhere, to any side but the one that the way bends to."""
     at = int(rng.uniform(0.15, 0.85) * len(main))
     ahead = main[min(at + 20, len(main) - 1), :3, 3] - main[at, :3, 3]
     side = main[at, :3, :2].T @ ahead
     plane = math.atan2(-side[1], -side[0]) + rng.uniform(-1.0, 1.0)
-    bend, length = rng.uniform(*DEAD_END_BEND), radius * rng.uniform(*DEAD_END)
+    bend, length = rng.uniform(*bends), radius * rng.uniform(*lengths)
     coordinates = np.array([bend * math.cos(plane), bend * math.sin(plane), length])
     points: Floats = arc(main[at], coordinates, math.ceil(length / (STEP * radius)))[:, :3, 3]
     return points
-
-
-def _at(tree: cKDTree, distance: float, cell: float) -> Surface:
-    """Return the surface at a distance from all points of a tree."""
-    return around(np.asarray(tree.data), distance, cell, lambda points: np.asarray(tree.query(points)[0]) - distance)

@@ -1,6 +1,7 @@
 """Whether the time that a solve is allowed is kept: how much longer it takes, where the time is used up."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from time import perf_counter, thread_time
 from typing import Any, NamedTuple
@@ -11,9 +12,8 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Plan, Times
 from benchmarks.places import Place, make
-from benchmarks.problems import among_spheres, arm, reachable, relative_tolerance
+from benchmarks.problems import ProblemSet, among_spheres, arm, reachable, relative_tolerance
 from benchmarks.wild.worlds import clutter
-from sinuous.base.checks import Floats
 from sinuous.methods.method import METHODS, capabilities
 
 SECTION = "budgets of 1 to 100 ms: how much longer a solve takes that uses its budget up"
@@ -26,14 +26,6 @@ TRIES = 4
 """Runs of a problem, until there is one that counts."""
 
 PLACES = ("pipe 1.6", "plates", "drum", "shelf", "duct", "spheres 100", "pipe 1.6 scan", "plates scan", "shelf scan")
-
-
-class Asked(NamedTuple):
-    """A solver, and what it is asked."""
-
-    solver: sn.Solver
-    target: Any
-    initial: Floats | None = None
 
 
 class Kept(NamedTuple):
@@ -57,12 +49,12 @@ class Kept(NamedTuple):
 def measure(plan: Plan) -> Iterator[Line]:
     """Two lines a family, and what the wall clock says when disturbed runs count as well."""
     everything: list[Kept] = []
-    for number, (name, draw, count) in enumerate(FAMILIES):
+    for number, family in enumerate(FAMILIES):
         rng = plan.rng(13, number)
-        asked = draw(plan, rng)
-        kept = [_run(next(asked), rng, f"{name} {i}") for i in range(plan.count(count, 12))]
+        asked = _asked(family, plan, rng)
+        kept = [_run(*next(asked), rng, f"{family.name} {i}") for i in range(plan.count(family.problems, 12))]
         everything += kept
-        yield from _lines(name, kept)
+        yield from _lines(family.name, kept)
     yield from _lines("all", everything)
     wall = Times.of([max(0.0, one.over) for one in everything])
     lost = sum(not one.undisturbed for one in everything)
@@ -80,13 +72,13 @@ def _lines(name: str, kept: list[Kept]) -> Iterator[Line]:
     yield Line(SECTION, f"{name}, worst", times.worst, "ms", WORST, times)
 
 
-def _run(asked: Asked, rng: Generator, name: str) -> Kept:
+def _run(solver: sn.Solver, target: Any, rng: Generator, name: str) -> Kept:
     """Solve a problem until nobody disturbs it, and nothing happens that does not happen again: the least counts."""
     budget = float(np.exp(rng.uniform(np.log(SHORTEST), np.log(LONGEST))))
     runs = []
     for _ in range(TRIES):
         worked, began = thread_time(), perf_counter()
-        solution = asked.solver.solve(asked.target, asked.initial, time=budget)
+        solution = solver.solve(target, time=budget)
         seconds, worked = perf_counter() - began, thread_time() - worked
         undisturbed = seconds - worked < TAKEN_AWAY
         runs.append((not undisturbed, seconds - budget))
@@ -107,106 +99,95 @@ def _perhaps_torn(robot: sn.Robot, target: sn.Target, rng: Generator) -> sn.Targ
     return [target, sn.Target(target.position + away, segment=len(robot) - 1)]
 
 
-def _free(plan: Plan, rng: Generator) -> Iterator[Asked]:
+def _free(plan: Plan, rng: Generator) -> list[ProblemSet]:
     """Arms of 5 to 60 segments, to be met exactly."""
-    sizes = [5, 12, 30, 60]
-    solvers = []
-    for n in sizes:
-        robot = arm(n, 12.0 / n)
-        solvers.append(sn.Solver(robot, tolerance=relative_tolerance(robot, 1e-6)))
-    while True:
-        solver = solvers[rng.integers(len(solvers))]
-        (target,) = reachable(solver.robot, 1, rng).targets
-        yield Asked(solver, _perhaps_torn(solver.robot, target, rng))
+    sets = [reachable(arm(n, 12.0 / n), plan.count(200, 3), rng) for n in (5, 12, 30, 60)]
+    return [each.with_tolerance(relative_tolerance(each.robot, 1e-6)) for each in sets]
 
 
-def _spheres(plan: Plan, rng: Generator) -> Iterator[Asked]:
+def _spheres(_: Plan, rng: Generator) -> list[ProblemSet]:
     """Arms of 5 to 20 segments among 40 to 600 balls; most targets are drawn without looking at these."""
     sizes = (5, 40), (20, 40), (8, 200), (12, 600)
     sets = [among_spheres(arm(n, 12.0 / n, radius=2.0), m, 20, rng) for n, m in sizes]
-    solvers = [sn.Solver(each.robot, each.scene) for each in sets]
-    while True:
-        i = rng.integers(len(sets))
-        drawn = sets[i].targets[rng.integers(20)] if rng.random() < 0.3 else reachable(sets[i].robot, 1, rng).targets[0]
-        yield Asked(solvers[i], _perhaps_torn(sets[i].robot, drawn, rng))
+    return [replace(each, targets=[*each.targets, *reachable(each.robot, 47, rng).targets]) for each in sets]
+
+
+def _places(plan: Plan, rng: Generator) -> list[ProblemSet]:
+    """Pipes, plates and others of meshes, boxes and clouds: the hidden target, and others about it."""
+    return [_about(place, rng) for place in _made(plan.count(3, 1), plan.count(len(PLACES), 1))]
 
 
 @cache
-def _made(count: int, families: int) -> list[tuple[Place, sn.Solver]]:
+def _made(count: int, families: int) -> list[Place]:
     """Make so many places of so many families."""
-    places = [make(family, seed) for family in PLACES[:families] for seed in range(count)]
-    return [(place, sn.Solver(place.robot, place.scene, tolerance=place.tolerance)) for place in places]
+    return [make(family, seed) for family in PLACES[:families] for seed in range(count)]
 
 
-def _places(plan: Plan, rng: Generator) -> Iterator[Asked]:
-    """Pipes, plates and others of meshes, boxes and clouds: the hidden target, and others about it."""
-    made = _made(plan.count(3, 1), plan.count(len(PLACES), 1))
-    while True:
-        place, solver = made[rng.integers(len(made))]
-        target = place.target
-        assert target.position is not None
-        aside = rng.choice([0.0, 0.02, 0.2]) * place.robot.mean_length * rng.normal(size=3)
-        moved = sn.Target(target.position + aside, direction=target.direction)
-        yield Asked(solver, _perhaps_torn(place.robot, moved, rng))
+def _about(place: Place, rng: Generator) -> ProblemSet:
+    assert place.target.position is not None
+    shares = rng.choice([0.0, 0.02, 0.2], (30, 1))
+    moved = place.target.position + shares * place.robot.mean_length * rng.normal(size=(30, 3))
+    targets = [sn.Target(position, direction=place.target.direction) for position in moved]
+    return ProblemSet(place.robot, targets, place.scene, place.tolerance)
 
 
-def _clutter(plan: Plan, rng: Generator) -> Iterator[Asked]:
+def _cluttered(plan: Plan, rng: Generator) -> list[ProblemSet]:
     """Random robots among all kinds of obstacles, targets possible and not."""
-    sets = [clutter(int(rng.integers(10**6)), 40) for _ in range(plan.count(25, 2))]
-    solvers = [sn.Solver(each.robot, each.scene) for each in sets]
-    while True:
-        i = rng.integers(len(sets))
-        yield Asked(solvers[i], _perhaps_torn(sets[i].robot, sets[i].targets[rng.integers(40)], rng))
+    return [clutter(int(rng.integers(10**6)), 40) for _ in range(plan.count(25, 2))]
 
 
-def _grazing(plan: Plan, rng: Generator) -> Iterator[Asked]:
+def _grazing(_: Plan, rng: Generator) -> list[ProblemSet]:
     """A straight body that is along all of a wall nearer to it than anybody can see: a proof takes many looks."""
-    solvers = []
-    for gap in (1e-3, 1e-5, 1e-7, 1e-9):
-        robot = sn.Robot.uniform(5, (45, 70), 2.4, radius=4.0)
-        solvers.append(sn.Solver(robot, [sn.HalfSpace((4.0 + gap, 0, 0), (-1, 0, 0)) for _ in range(3)]))
-    while True:
-        length = rng.uniform(50, 65)
-        target = sn.Target((0, 0, 5 * length), direction=(0, 0, 1))
-        yield Asked(solvers[rng.integers(len(solvers))], target, np.tile([0.0, 0.0, length], (5, 1)))
+    robot = sn.Robot.uniform(5, (45, 70), 2.4, radius=4.0)
+    targets = [sn.Target((0, 0, 5 * length), direction=(0, 0, 1)) for length in rng.uniform(50, 65, 100).tolist()]
+    walls = [sn.HalfSpace((4.0 + gap, 0, 0), (-1, 0, 0)) for gap in (1e-3, 1e-5, 1e-7, 1e-9)]
+    return [ProblemSet(robot, targets, sn.Scene([wall] * 3), sn.Tolerance().for_robot(robot)) for wall in walls]
 
 
-def _preferences(plan: Plan, rng: Generator) -> Iterator[Asked]:
-    """The same as among spheres, in places and along a wall, and what is solved is then improved."""
-    wishes = [sn.Preferences(bends=1.0), sn.Preferences(clearance=5.0), sn.Preferences(start=1.0, clearance=5.0)]
-    solvers: dict[tuple[int, int], sn.Solver] = {}
-    sources = [_spheres(plan, rng), _places(plan, rng)]
-    while True:
-        asked, wish = next(sources[rng.integers(len(sources))]), int(rng.integers(len(wishes)))
-        key = id(asked.solver), wish
-        if key not in solvers:
-            plain = asked.solver
-            solvers[key] = sn.Solver(plain.robot, plain.scene, tolerance=plain.tolerance, prefer=wishes[wish])
-        yield asked._replace(solver=solvers[key])
-
-
-def _methods(plan: Plan, rng: Generator) -> Iterator[Asked]:
-    """All other methods, on arms of 5 to 20 segments among 40 balls, or without any."""
+def _common(_: Plan, rng: Generator) -> list[ProblemSet]:
+    """Arms of 5 to 20 segments among 40 balls, and without any."""
     sets = [among_spheres(arm(n, 12.0 / n, radius=2.0), 40, 20, rng) for n in (5, 20)]
-    sets += [reachable(arm(n, 12.0 / n), 20, rng) for n in (5, 20)]
-    solvers = []
-    for name in METHODS:
-        for each in sets:
-            refused = len(each.scene) and not capabilities(name).obstacles
-            if name != "newton" and not refused:
-                solvers.append((sn.Solver(each.robot, each.scene, method=name), each))
-    while True:
-        solver, each = solvers[rng.integers(len(solvers))]
-        yield Asked(solver, each.targets[rng.integers(20)])
+    return [*sets, *(reachable(arm(n, 12.0 / n), 20, rng) for n in (5, 20))]
 
+
+class Family(NamedTuple):
+    """Problems of one kind: how many there are, what draws them, options of solvers, and if targets may be torn."""
+
+    name: str
+    problems: int
+    sets: Callable[[Plan, Generator], list[ProblemSet]]
+    options: Sequence[dict[str, Any]] = ({},)
+    torn: bool = True
+
+
+WISHES = (sn.Preferences(bends=1.0), sn.Preferences(clearance=5.0), sn.Preferences(start=1.0, clearance=5.0))
 
 FAMILIES = (
-    ("free", _free, 1500),
-    ("spheres", _spheres, 1500),
-    ("places", _places, 2500),
-    ("clutter", _clutter, 1000),
-    ("along a wall", _grazing, 1000),
-    ("preferences", _preferences, 1000),
-    ("other methods", _methods, 1500),
+    Family("free", 1500, _free),
+    Family("spheres", 1500, _spheres),
+    Family("places", 2500, _places),
+    Family("clutter", 1000, _cluttered),
+    Family("along a wall", 1000, _grazing, torn=False),
+    Family(
+        "preferences",
+        1000,
+        lambda plan, rng: _spheres(plan, rng) + _places(plan, rng),
+        [{"prefer": wish} for wish in WISHES],
+    ),
+    Family("other methods", 1500, _common, [{"method": name} for name in METHODS if name != "newton"], torn=False),
 )
-"""Names, what draws the problems, and how many there are: 10,000 in all."""
+"""10,000 problems in all. With preferences, what is solved is then improved."""
+
+
+def _asked(family: Family, plan: Plan, rng: Generator) -> Iterator[tuple[sn.Solver, Any]]:
+    """Draw problems of a family, of solvers with each of its options where the method takes obstacles or has none."""
+    solvers = [
+        (sn.Solver(each.robot, each.scene, tolerance=each.tolerance, **own), each.targets)
+        for each in family.sets(plan, rng)
+        for own in family.options
+        if not len(each.scene) or capabilities(own.get("method", "newton")).obstacles
+    ]
+    while True:
+        solver, targets = solvers[rng.integers(len(solvers))]
+        target = targets[rng.integers(len(targets))]
+        yield solver, _perhaps_torn(solver.robot, target, rng) if family.torn else target

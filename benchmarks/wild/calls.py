@@ -20,7 +20,7 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.places.parts import cuboid
 from benchmarks.problems import random_configurations
-from benchmarks.wild.worlds import UNITS, Judged, asked, demanding, loaded_robot, pose_rotation, robot_with_shapes
+from benchmarks.wild.worlds import Judged, asked, demanding, loaded_robot, pose_rotation, robot_with_shapes
 from sinuous.base.checks import Floats
 
 OBSTACLES = (0, 0, 1, 2, 5, 20)
@@ -29,7 +29,7 @@ OBSTACLES = (0, 0, 1, 2, 5, 20)
 def odd_robot(rng: Generator) -> sn.Robot:
     """A robot of the wild worlds; of two in three much is at the edge of what can be said, and some have demands."""
     loaded = rng.random() < 0.25
-    robot = loaded_robot(10.0 ** rng.uniform(-3.0, 3.0), rng) if loaded else robot_with_shapes(1, rng, UNITS)[0]
+    robot = loaded_robot(10.0 ** rng.uniform(-3.0, 3.0), rng) if loaded else robot_with_shapes(1, rng)[0]
     if rng.random() < 0.7:
         segments = [_edged(each, size_of(robot) / len(robot), rng) for each in robot.segments]
         with suppress(sn.InputError):  # what demands a clearance from itself has to avoid itself

@@ -47,8 +47,8 @@ SIZES = ((1, 4), (4, 9), (9, 17), (17, 41))
 
 SIZE_SHARES = (0.4, 0.4, 0.13, 0.07)
 
-SCALES = (-6.0, 3.5)
-"""Powers of ten between which a segment is long: micrometres to kilometres."""
+UNITS = (-9.0, 9.0)
+"""Powers of ten between which a segment is long."""
 
 TIGHTEST = 0.98
 """Largest curvature of a hidden shape, of one over its radius: a body that avoids itself bends no tighter than that."""
@@ -60,7 +60,7 @@ SHAPE_DRAWS = 16
 """Times that shapes are drawn, more and more gently bent, until they are clear of themselves."""
 
 
-def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = SCALES) -> tuple[sn.Robot, Floats]:
+def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = UNITS) -> tuple[sn.Robot, Floats]:
     """Draw a robot, and up to `count` configurations (m, n, 3) within its limits that are clear of themselves.
 
     `scales` are the powers of ten between which a segment is long.
@@ -336,9 +336,6 @@ INTERMEDIATE = 0.15
 """Share of worlds that ask for the place of another segment's end as well."""
 
 
-UNITS = (-9.0, 9.0)
-"""Powers of ten between which a segment is long."""
-
 HUGE, GAPS = (3.0, 12.0), (-12.0, -2.0)
 """Powers of ten of the size of huge obstacles, and of their gap to a body; both in lengths of a segment."""
 
@@ -471,12 +468,6 @@ def mounts(seed: int, number: int) -> World:
     return _beside(drawn, lambda robot, points: _balls(points, unit_of[robot], (0.2, 0.02, 0.5), rng), rng)
 
 
-def units(seed: int, number: int) -> World:
-    """Wild worlds whose segments are 1e-9 to 1e9 long."""
-    rng = np.random.default_rng([seed, 12, number])
-    return _about(lambda: robot_with_shapes(SHAPES, rng, UNITS), rng)
-
-
 def huge(seed: int, number: int) -> World:
     """One obstacle up to 1e12 times as large as the robot, or as far away, that a body touches, or nearly does.
 
@@ -553,7 +544,7 @@ def demands(seed: int, number: int) -> World:
     """Robots that demand clearances, from obstacles and from themselves, of all segments or of each, or are unsure."""
     rng = np.random.default_rng([seed, 19, number])
     while True:
-        robot, q = robot_with_shapes(SHAPES, rng, UNITS)
+        robot, q = robot_with_shapes(SHAPES, rng)
         scene = scene_about(robot, q, rng) if len(q) else sn.Scene()
         robot = demanding(robot, rng)
         if len(q):
@@ -618,7 +609,6 @@ def clutter(seed: int, count: int) -> ProblemSet:
 
 AUDITED: dict[str, Callable[[int, int], World]] = {
     "mounts with uneven segments": mounts,
-    "units from 1e-9 to 1e9": units,
     "obstacles with huge coordinates": huge,
     "overlapping bodies in a mesh": bodies,
     "fields and grids with bounds": bounds,

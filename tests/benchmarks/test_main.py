@@ -56,8 +56,6 @@ def test_parts_are_those_that_a_pattern_fits(name: str, pattern: str, first: str
     [
         (["nothing"], "NAME"),
         (["table1", "--piece", "p3"], "--piece"),
-        (["wild", "--rounds", "0"], "--rounds"),
-        (["speed", "--rounds", "2"], "--rounds"),
         (["table1", "--seed", "-1"], "--seed"),
         (["clutter", "--piece", "labyrinth"], "--piece"),
         (["speed", "--fast"], "--fast: unknown option"),

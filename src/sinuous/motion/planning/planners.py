@@ -32,7 +32,7 @@ EASY = 16
 FIRST_DRAWS = 64
 """Draws of trees that grow from the ends as they are, before more goals are looked for."""
 
-MORE_DRAWS = 256
+MORE_DRAWS = 128
 """The same in all, before goals are drawn back a little."""
 
 LAST_DRAWS, LAST_DRAWS_OF_LINKS = 512, 1024
@@ -42,7 +42,7 @@ do not slide along themselves."""
 FIRST_GOALS = 2
 """Goals that are drawn back a little."""
 
-FIRST_STEPS = 16
+FIRST_STEPS = 8
 """By how many steps, as long as the first way to draw them back leads on."""
 
 DRAWS = 128
@@ -166,12 +166,14 @@ class PlanSearch:
         The last one first: what was solved without the start has fewer folds. Arms of links alone do not slide along
         themselves, and trees are there sooner.
         """
-        query, path = self._query, None
+        query = self._query
         for goal in self._goals[FIRST_GOALS - 1 :: -1] if query.robot.segments else ():
             made = self._retraction(goal, 0, query.start)
             made.run(FIRST_STEPS, ways=1)
-            path = path or self._join([query.start], [made.knots], query.seed, FIRST_DRAWS)
-        return path
+            path = self._join([query.start], [made.knots], query.seed, FIRST_DRAWS)
+            if path is not None:
+                return path
+        return None
 
     def _draw_back(self, turn: int) -> None:
         """Draw back a goal or the start: at first a goal by each kind, then the end that came less far, or by turns.

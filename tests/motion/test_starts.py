@@ -43,6 +43,14 @@ def test_clamp_finds_the_nearest_within_all_limits(robot: sn.Robot) -> None:
     np.testing.assert_array_equal(robot.clamp(found), found)
 
 
+@pytest.mark.parametrize("rest", [(0.0, 0.0), (0.2, 0.1)])
+def test_clamp_brings_thick_segments_in_planes_within_from_no_length(rest: tuple[float, float]) -> None:
+    """Where a segment has no length, its curvature allows no bend to either side."""
+    thick = sn.Robot([sn.Segment((40.0, 60.0), 1.0, radius=2.0, plane=0.3, rest=rest)])
+    found = thick.clamp([[0.3, 0.3, 0.0]])
+    np.testing.assert_allclose(found, thick.clamp([[0.3, 0.3, 40.0]]), atol=1e-9)
+
+
 @pytest.mark.parametrize("robot", [ROBOT, LIMITED, PULLED], ids=["bends", "tendons", "tensions"])
 def test_starts_that_went_through_float32_are_brought_within(robot: sn.Robot) -> None:
     for q in robot.clamp(beyond(robot, 6)):

@@ -363,7 +363,7 @@ class LimitSet:
             if math.isfinite(tightest):
                 curved, aside = tightest * float(own[2]), math.hypot(*line.rest)
                 most = math.sqrt(max(0.0, curved**2 - aside**2))
-                growth = tightest * curved / most if most > 0.0 else 0.0
+                growth = tightest * curved / most if most > 0.0 else tightest
                 bent = math.hypot(z, aside) / float(own[2]) if own[2] > 0.0 else 0.0
                 held = number, None, "max_curvature", bent, tightest
                 yield Limit("curvature", *held, most - side * z, gradient_at(count, number, (*along, -growth)))

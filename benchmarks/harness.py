@@ -186,9 +186,9 @@ SHOWN = 40
 """Most names in a note."""
 
 
-def listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str | int]) -> str:
     """Say the first names, and how many more there are."""
-    return ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+    return ", ".join(map(str, names[:SHOWN])) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
 
 
 def table(rows: Sequence[Sequence[str]], *, words: bool = False) -> str:

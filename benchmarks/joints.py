@@ -18,9 +18,10 @@ import numpy as np
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
 from benchmarks.judges.judge import right, wrong_at
-from benchmarks.judges.kinematics import arc_ends, arc_poses, link_poses, moving
+from benchmarks.judges.kinematics import link_poses, moving
 from benchmarks.mbm import panda
 from benchmarks.motion.leader import Led, lines_of
+from benchmarks.places.parts import curve_of
 from benchmarks.problems import tip_targets
 from benchmarks.wild.worlds import draw_jointed
 from sinuous.model.joints import Joint, Prismatic, Revolute
@@ -133,12 +134,8 @@ def led_along(robot: sn.Robot, count: int, rng: np.random.Generator) -> Iterator
         if not there:
             continue
         bend, side = rng.uniform(0.0, BENT, len(robot.segments)), rng.uniform(-np.pi, np.pi, len(robot.segments))
-        at, points = port, [port[None, :3, 3]]
-        for x, y, segment in zip(bend * np.cos(side), bend * np.sin(side), robot.segments, strict=True):
-            shares = np.linspace(0.0, 1.0, FINE + 1)[1:, None] * (x, y, segment.length[1])
-            points.append(at[:3, 3] + arc_ends(*shares.T) @ at[:3, :3].T)
-            at = at @ arc_poses(*np.array([x, y, segment.length[1]]))
-        whole = np.concatenate(points)
+        q = np.stack([bend * np.cos(side), bend * np.sin(side), [each.length[1] for each in robot.segments]], axis=1)
+        whole = curve_of(sn.Robot(robot.segments, base=port), q, FINE).points
         behind = port[:3, 3] - np.linspace(length, 0.0, FINE, endpoint=False)[:, None] * port[:3, 2]
         yield Led(robot, whole[::GIVEN], sn.Scene(), np.concatenate([behind, whole]))
         count -= 1

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from benchmarks.harness import Goal, Line, Plan, Times, in_processes, timed
+from benchmarks.harness import Goal, Line, Plan, Times, in_processes, listed, timed
 from benchmarks.judges.judge import Flags, within_limits
 from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable, relative_tolerance
 from benchmarks.wild.worlds import clutter
@@ -52,11 +51,7 @@ class Answers:
     def complaint(self) -> str:
         """Numbers of problems that are not confirmed, to begin a search with."""
         failed = {"not solved": ~self.confirmed, "FALSE": self.claimed & ~self.confirmed}
-        return "; ".join(f"{what}: {_some(np.flatnonzero(own))}" for what, own in failed.items() if own.any())
-
-
-def _some(numbers: NDArray[np.intp]) -> str:
-    return ", ".join(str(i) for i in numbers[:5]) + (" ..." if len(numbers) > 5 else "")
+        return "; ".join(f"{what}: {listed(np.flatnonzero(own).tolist())}" for what, own in failed.items() if own.any())
 
 
 def solve_all(problems: ProblemSet) -> Answers:

@@ -461,11 +461,12 @@ def mounts(seed: int, number: int) -> World:
         longest = sum(segment.length[1] for segment in segments)
         base = sn.pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
         robot = sn.Robot(segments, mount=rng.uniform(0.05, 1.0) * longest, base=base)
-        unit_of[robot] = unit
         return robot, shapes_of(robot, SHAPES, rng)
 
-    unit_of: dict[sn.Robot, float] = {}
-    return _beside(drawn, lambda robot, points: _balls(points, unit_of[robot], (0.2, 0.02, 0.5), rng), rng)
+    def balls(robot: sn.Robot, points: Floats) -> list[Obstacle]:
+        return _balls(points, robot.mean_length / len(robot), (0.4, 0.04, 1.0), rng)
+
+    return _about(drawn, rng, balls)
 
 
 def huge(seed: int, number: int) -> World:
@@ -513,18 +514,19 @@ def bodies(seed: int, number: int) -> World:
         other = middle + turn @ (share * size * np.eye(3)[rng.integers(3)])
         return _solids(joined([cuboid(place, size, turn) for place in (middle, other)]))
 
-    return _beside(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), two_boxes, rng)
+    return _about(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), rng, two_boxes)
 
 
 def radii(seed: int, number: int) -> World:
     """Robots of thick and thin segments and of hinges without any thickness, folded."""
     rng = np.random.default_rng([seed, 15, number])
-    while True:
+
+    def drawn() -> tuple[sn.Robot, Floats]:
         unit = 10.0 ** rng.uniform(-2.0, 2.0)
         robot = sn.Robot([_sorted(OF_ALL_RADII, unit, rng) for _ in range(int(rng.integers(3, 9)))])
-        q = shapes_of(robot, SHAPES, rng)
-        if len(q):
-            return World(robot, sn.Scene(), _tolerance(robot, rng), asked(robot, q, rng), q)
+        return robot, shapes_of(robot, SHAPES, rng)
+
+    return _about(drawn, rng, lambda *_: [])
 
 
 def bounds(seed: int, number: int) -> World:
@@ -535,7 +537,7 @@ def bounds(seed: int, number: int) -> World:
         seen[:] = [points]
         return _balls(points, robot.mean_length, (0.3, 0.05, 0.4), rng)
 
-    world = _beside(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), balls, rng)
+    world = _about(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), rng, balls)
     scene = sn.Scene([_bounding(list(world.scene.obstacles), seen[0], world.robot.mean_length, rng)])
     return replace(world, scene=scene, truth=world.scene, time=SHORT)
 
@@ -543,16 +545,13 @@ def bounds(seed: int, number: int) -> World:
 def demands(seed: int, number: int) -> World:
     """Robots that demand clearances, from obstacles and from themselves, of all segments or of each, or are unsure."""
     rng = np.random.default_rng([seed, 19, number])
-    while True:
-        robot, q = robot_with_shapes(SHAPES, rng)
-        scene = scene_about(robot, q, rng) if len(q) else sn.Scene()
-        robot = demanding(robot, rng)
-        if len(q):
-            q = q[surely_clear(self_body(robot), q) & _gently_bent(robot, q)]
-        if len(q) and len(scene):
-            q = q[Clearances(needed_body(robot), scene).least(q, 0.0) > CLEAR * robot.mean_length]
-        if len(q):
-            return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q)
+
+    def drawn() -> tuple[sn.Robot, Floats]:
+        plain, q = robot_with_shapes(SHAPES, rng)
+        robot = demanding(plain, rng)
+        return robot, q[surely_clear(self_body(robot), q) & _gently_bent(robot, q)]
+
+    return _about(drawn, rng)
 
 
 def loaded(seed: int, number: int) -> World:
@@ -623,21 +622,20 @@ Drawn = Callable[[], tuple[sn.Robot, Floats]]
 """Draws a robot, and shapes (m, n, 3) of it that are clear of themselves; perhaps none."""
 
 
-def _about(drawn: Drawn, rng: Generator) -> World:
-    """The first world with clear shapes of those with obstacles of every kind about the bodies."""
-    while True:
-        robot, q = drawn()
-        world = _world(robot, list(scene_about(robot, q, rng).obstacles), q, rng) if len(q) else None
-        if world is not None:
-            return world
+Placed = Callable[[sn.Robot, Floats], list[Obstacle]]
+"""Draws obstacles for a robot, from points (k, 3) of its bodies."""
 
 
-def _beside(drawn: Drawn, obstacles: Callable[[sn.Robot, Floats], list[Obstacle]], rng: Generator) -> World:
-    """The same with obstacles beside points (k, 3) of the bodies; some are drawn before another robot is."""
+def _about(drawn: Drawn, rng: Generator, placed: Placed | None = None) -> World:
+    """The first world with clear shapes: some scenes are drawn, of every kind by default, before another robot is."""
     while True:
         robot, q = drawn()
         for _ in range(DRAWS if len(q) else 0):
-            world = _world(robot, obstacles(robot, body_points(robot, q, 12)[0].reshape(-1, 3)), q, rng)
+            if placed is None:
+                obstacles = list(scene_about(robot, q, rng).obstacles)
+            else:
+                obstacles = placed(robot, body_points(robot, q, 12)[0].reshape(-1, 3))
+            world = _world(robot, obstacles, q, rng)
             if world is not None:
                 return world
 
@@ -646,7 +644,7 @@ def _world(robot: sn.Robot, obstacles: list[Obstacle], q: Floats, rng: Generator
     """The world of those shapes that are clear; `None` where none is."""
     scene = sn.Scene(obstacles)
     if obstacles:
-        q = q[Clearances(robot, scene).least(q, 0.0) > CLEAR * robot.mean_length]
+        q = q[Clearances(needed_body(robot), scene).least(q, 0.0) > CLEAR * robot.mean_length]
     return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q) if len(q) else None
 
 

@@ -18,6 +18,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, coarseness, read_scene, work_of_all
 from sinuous.kernels.fields.primitives import axis_of
 from sinuous.kernels.fields.solids import EXACT, INTERPOLATED
+from sinuous.kernels.freespace.band import reverse
 from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, cross, get_vec, norm, put_vec, scale, sub
 from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING_RADIUS, SIGN
 
@@ -154,14 +155,6 @@ def follow_from(
     return count, UNENDED
 
 
-def reversed_from(points: Array, count: int) -> None:
-    """Turn the order of the first `count` points."""
-    for i in range(count // 2):
-        p = get_vec(points, i, 0)
-        put_vec(points, i, 0, get_vec(points, count - 1 - i, 0))
-        put_vec(points, count - 1 - i, 0, p)
-
-
 @entry
 def follow_tube(
     scene: Array, start: Array, sizes: tuple[float, float, float], seconds: float, clock: Array, points: Array
@@ -271,7 +264,7 @@ def _follow_both(scene: Scene, behind: Vec, radius: float, clock: Array, points:
     """Follow a tube both ways from the first of `points`; returns how many there are, and whether it is open."""
     sizes, begun, ahead = (radius, radius, 0.0), get_vec(points, 0, 0), scale(-1.0, behind)
     back, first = follow_from(scene, behind, sizes, clock, points)
-    reversed_from(points, back)
+    reverse(points, back)
     forth, last = follow_from(scene, ahead, sizes, clock, points[back - 1 :])
     through = _is_open(scene, first, add_scaled(begun, radius, behind), radius)
     return back - 1 + forth, through and _is_open(scene, last, add_scaled(begun, radius, ahead), radius)

@@ -3,7 +3,8 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, scale, sub
+from sinuous.kernels.freespace.band import span
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, scale, sub
 
 Curve = namedtuple("Curve", ["points", "spacing"])
 """Points (K, 3) of a route, and the distance between neighbours along it."""
@@ -11,10 +12,8 @@ Curve = namedtuple("Curve", ["points", "spacing"])
 
 def curve_through(points: Array) -> Curve:
     """Return the curve through points (K, 3) that are evenly spaced, or nearly so."""
-    length, count = 0.0, points.shape[0]
-    for i in range(1, count):
-        length += norm(sub(get_vec(points, i, 0), get_vec(points, i - 1, 0)))
-    return Curve(points, length / (count - 1))
+    count = points.shape[0]
+    return Curve(points, span(points, count) / (count - 1))
 
 
 def length_of(curve: Curve) -> float:

@@ -9,7 +9,7 @@ from sinuous.kernels.clock import spend
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.grid import SearchGrid, onto_plane
-from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
+from sinuous.kernels.maths.vectors import Array, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
 SWEEPS = 24
 """How often all points are moved."""
@@ -49,13 +49,12 @@ def respace(points: Array, count: int, out: Array, wanted: int) -> float:
     return spacing
 
 
-def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
-    """Move a point away from the nearest obstacle by no more than `most`, if that is nearer than `wanted`."""
-    d, which = closest(scene, p, wanted, INTERPOLATED)
-    if which < 0 or d >= wanted:
-        return p
-    _, g = obstacle(scene, which, p, d)
-    return add_scaled(p, min(most, wanted - d), g)
+def reverse(points: Array, count: int) -> None:
+    """Let the first `count` of `points` (m, 3) run the other way."""
+    for i in range(count // 2):
+        p = get_vec(points, i, 0)
+        put_vec(points, i, 0, get_vec(points, count - 1 - i, 0))
+        put_vec(points, count - 1 - i, 0, p)
 
 
 def tighten(scene: Scene, grid: SearchGrid, route: Array, scratch: Array, clock: Array, count: int) -> None:

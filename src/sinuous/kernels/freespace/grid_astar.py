@@ -80,14 +80,14 @@ def _clamp(p: Vec, low: Vec, high: Vec) -> Vec:
     return (min(max(p[0], low[0]), high[0]), min(max(p[1], low[1]), high[1]), min(max(p[2], low[2]), high[2]))
 
 
-def _begin(side: Side, cell: int, off: float, p: Vec) -> None:
+def _begin_in_cell(side: Side, cell: int, off: float, p: Vec) -> None:
     """Note of a cell that the point `p` of it is within the ball where a side begins, and how far it is from there."""
     if off < side.cost[cell]:
         side.cost[cell], side.length[cell], side.before[cell] = off, off, NONE
         put_vec(side.points, cell, 0, p)
 
 
-def _seed(memory: Memory, grid: SearchGrid, scene: Scene, which: int) -> bool:
+def _open_ends(memory: Memory, grid: SearchGrid, scene: Scene, which: int) -> bool:
     """Open the cells in which there are middles in the ball where a side begins; say whether they are not too many."""
     table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
     place, around = _end(grid, which)
@@ -109,10 +109,10 @@ def _seed(memory: Memory, grid: SearchGrid, scene: Scene, which: int) -> bool:
                 cell = leaf_at(memory, grid, scene, key)
                 if cell != NONE:
                     new = side.cost[cell] == math.inf
-                    _begin(side, cell, off, p)
+                    _begin_in_cell(side, cell, off, p)
                     rest = norm(sub(p, aim))
                     if rest <= close:
-                        _begin(other, cell, rest, p)
+                        _begin_in_cell(other, cell, rest, p)
                     if new:
                         push(memory, which, 0.0, cell)
     return True
@@ -167,7 +167,7 @@ def _crossing(grid: SearchGrid, scene: Scene, here: Here, key: int, half: tuple[
     return place_beside(scene, half[0], half[1], p, grid.clearance)
 
 
-def _arrive(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, key: int) -> None:
+def _reach_other_end(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, key: int) -> None:
     """Note of a cell, if it is so, that it reaches to where routes of the other side begin."""
     aim, close = _end(grid, 1 - which)
     low, high = corners(grid, key)
@@ -175,13 +175,13 @@ def _arrive(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: in
     p = _clamp(aim, (low[0] + half, low[1] + half, low[2] + half), (high[0] - half, high[1] - half, high[2] - half))
     rest, cut = norm(sub(p, aim)), memory.table.cuts[cell >> 3]
     if rest <= close and (cut == NONE or beyond(scene, cut, cell & 7, aim) + close >= grid.clearance):
-        _begin(pick(memory.sides, 1 - which), cell, rest, p)
+        _begin_in_cell(pick(memory.sides, 1 - which), cell, rest, p)
 
 
 push_here = inline(push)
 
 
-def _reach(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new: int, key: int, met: int) -> int:
+def _reach_cell(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new: int, key: int, met: int) -> int:
     """See whether the route to the cell `new` is cheaper from here; returns the cell of the cheapest route so far."""
     table, side, other = memory.table, pick(memory.sides, here.which), pick(memory.sides, 1 - here.which)
     cut = table.cuts[new >> 3]
@@ -208,7 +208,7 @@ def _reach(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new: int,
     put_vec(side.points, new, 0, there)
     push_here(memory, here.which, cost + grid.inflation * rest, new)
     if rest <= close + 2.0 * HALF_DIAGONAL * grid.cell * (1 << numbers_of(key)[0]):
-        _arrive(memory, grid, scene, here.which, new, key)
+        _reach_other_end(memory, grid, scene, here.which, new, key)
     return new if other.cost[new] < math.inf and _joins(memory, grid, new, met) else met
 
 
@@ -226,7 +226,7 @@ def _reach_into(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, divi
             return met
         if table.cuts[block] != NONE:
             for half in range(2):
-                met = _reach(memory, grid, scene, here, 8 * block + half, key, met)
+                met = _reach_cell(memory, grid, scene, here, 8 * block + half, key, met)
             continue
         for octant in range(8):
             child = child_of(key, octant)
@@ -237,11 +237,11 @@ def _reach_into(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, divi
                 stack[count] = child
                 count += 1
             elif d > DIVIDED:
-                met = _reach(memory, grid, scene, here, 8 * block + octant, child, met)
+                met = _reach_cell(memory, grid, scene, here, 8 * block + octant, child, met)
     return met
 
 
-block_of_here, reach_here = inline(block_of), inline(_reach)
+block_of_here, reach_here = inline(block_of), inline(_reach_cell)
 
 
 def _reach_halves(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, block: int, met: int) -> int:
@@ -249,7 +249,7 @@ def _reach_halves(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, bl
     cost = memory.sides.cost
     for half in range(8 * block, 8 * block + 2):
         if cost[here.which, half] > cost[here.which, here.cell]:
-            met = _reach(memory, grid, scene, here, half, memory.table.parents[block], met)
+            met = _reach_cell(memory, grid, scene, here, half, memory.table.parents[block], met)
     return met
 
 
@@ -277,7 +277,7 @@ def _reach_block(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, blo
 reach_block_here = inline(_reach_block)
 
 
-def _widen(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, met: int) -> int:
+def _examine_neighbours(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, met: int) -> int:
     """Examine the neighbours of a cell; returns the cell that the cheapest route known so far leads through."""
     table, side = memory.table, pick(memory.sides, which)
     key = key_in(table, cell)
@@ -294,7 +294,7 @@ def _widen(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int
                 if block <= LEAF:
                     new = LEAF - block
                     if side.cost[new] > side.cost[cell]:
-                        met = _reach(memory, grid, scene, here, new, key_in(table, new), met)
+                        met = _reach_cell(memory, grid, scene, here, new, key_in(table, new), met)
                 elif block != NONE and table.cuts[block] != NONE:
                     met = _reach_halves(memory, grid, scene, here, block, met)
                 elif block != NONE:
@@ -315,8 +315,8 @@ def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
     """
     table, sides = memory.table, memory.sides
     goal_side, start_side = pick(sides, FROM_GOAL), pick(sides, FROM_START)
-    from_goal = _seed(memory, grid, scene, FROM_GOAL)
-    from_start = _seed(memory, grid, scene, FROM_START)
+    from_goal = _open_ends(memory, grid, scene, FROM_GOAL)
+    from_start = _open_ends(memory, grid, scene, FROM_START)
     if not from_goal and not from_start:
         return FULL, NONE
     met = NONE
@@ -344,7 +344,7 @@ def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
         side.size[DONE] += 1
         if sides.done[1 - which, cell] != 0 and met != NONE:
             return FOUND, met
-        met = _widen(memory, grid, scene, which, cell, met)
+        met = _examine_neighbours(memory, grid, scene, which, cell, met)
 
 
 def penalize(memory: Memory, grid: SearchGrid, scene: Scene, met: int, around: int) -> None:

@@ -21,7 +21,7 @@ from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene, work_of_all
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
-from sinuous.kernels.freespace.band import respace
+from sinuous.kernels.freespace.band import respace, reverse
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
@@ -58,7 +58,7 @@ def homotopy_workspace_size(points: int) -> int:
     return CLOCK_SIZE + 3 * points + leashes // 8 + 1 + leashes + 2
 
 
-def _ray(scene: Scene, a: Vec, b: Vec, keep: float, units: int, clock: Array) -> tuple[float, int]:
+def _follow_line(scene: Scene, a: Vec, b: Vec, keep: float, units: int, clock: Array) -> tuple[float, int]:
     """How far the line from `a` to `b` keeps this distance, and the obstacle that ends it (NOTHING; LATE: no time).
 
     The distance of a place takes so many evaluations.
@@ -80,13 +80,13 @@ def _ray(scene: Scene, a: Vec, b: Vec, keep: float, units: int, clock: Array) ->
             return length, NO_OBSTACLE
 
 
-def _free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
+def _is_free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
     """Whether the leash from `a` to `b` keeps this distance."""
-    _, which = _ray(scene, a, b, keep, work_of_all(scene), clock)
+    _, which = _follow_line(scene, a, b, keep, work_of_all(scene), clock)
     return which == NO_OBSTACLE
 
 
-def _pull(scene: Scene, curve: Array, keep: float, spare: Array, clock: Array) -> None:
+def _tighten_once(scene: Scene, curve: Array, keep: float, spare: Array, clock: Array) -> None:
     """Draw `curve` (N, 3) tight once: from point to point, as far as leashes to all that is left out stay clear.
 
     `spare` (N, 3) is scratch.
@@ -96,20 +96,11 @@ def _pull(scene: Scene, curve: Array, keep: float, spare: Array, clock: Array) -
     put_vec(spare, 0, 0, get_vec(curve, 0, 0))
     while at < last:
         here, end = get_vec(curve, at, 0), at + 1
-        while end < last and _free(scene, here, get_vec(curve, end + 1, 0), keep, clock):
+        while end < last and _is_free(scene, here, get_vec(curve, end + 1, 0), keep, clock):
             end += 1
         at, corners = end, corners + 1
         put_vec(spare, corners, 0, get_vec(curve, at, 0))
     respace(spare, corners + 1, curve, last + 1)
-
-
-def _turn_round(curve: Array) -> None:
-    """Let `curve` (N, 3) run the other way."""
-    last = curve.shape[0] - 1
-    for i in range((last + 1) // 2):
-        p, q = get_vec(curve, i, 0), get_vec(curve, last - i, 0)
-        put_vec(curve, i, 0, q)
-        put_vec(curve, last - i, 0, p)
 
 
 def _begin(clock: Array, seconds: float) -> None:
@@ -140,8 +131,8 @@ def draw_tight(scene: Array, curve: Array, keep: float, seconds: float, workspac
     count = curve.shape[0]
     spare, _ = cut(workspace[CLOCK_SIZE:], count, 3)
     for _ in range(PASSES):
-        _pull(obstacles, curve, keep, spare, clock)
-        _turn_round(curve)
+        _tighten_once(obstacles, curve, keep, spare, clock)
+        reverse(curve, count)
         keep *= EASED
 
 
@@ -157,14 +148,14 @@ def _carve(workspace: Array, count: int) -> Leashes:
     return Leashes(state, rest[bytes_:].view(np.int32))
 
 
-def _reach(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes, clock: Array) -> bool:
+def _lead_leash(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes, clock: Array) -> bool:
     """Lead the leash on, both ends together where that goes; says whether it gets to the ends of both curves.
 
     These are `a` (N, 3) and `b` (N, 3).
     """
     count, wide = leashes.state.shape
     half = wide // 2
-    if not _free(scene, get_vec(a, 0, 0), get_vec(b, 0, 0), keep, clock):
+    if not _is_free(scene, get_vec(a, 0, 0), get_vec(b, 0, 0), keep, clock):
         return False
     leashes.state[0, half], leashes.open[0], size = LEASH_FREE, half, 1
     while size > 0:
@@ -178,7 +169,7 @@ def _reach(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes, cloc
             column = m - k + half
             if k >= count or m >= count or column < 0 or column >= wide or leashes.state[k, column] != LEASH_UNKNOWN:
                 continue
-            if _free(scene, get_vec(a, k, 0), get_vec(b, m, 0), keep, clock):
+            if _is_free(scene, get_vec(a, k, 0), get_vec(b, m, 0), keep, clock):
                 leashes.state[k, column], leashes.open[size] = LEASH_FREE, k * wide + column
                 size += 1
             else:
@@ -204,10 +195,10 @@ def deforms(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
     """
     clock = workspace[:CLOCK_SIZE].view(np.int64)
     _begin(clock, seconds)
-    return _reach(read_scene(scene), a, b, keep, _carve(workspace, a.shape[0]), clock)
+    return _lead_leash(read_scene(scene), a, b, keep, _carve(workspace, a.shape[0]), clock)
 
 
-def _off(scene: Scene, p: Vec, keep: float) -> Vec:
+def _push_off(scene: Scene, p: Vec, keep: float) -> Vec:
     """Push a point off the obstacles, to this distance where that goes."""
     for _ in range(MOST_PUSHES):
         d, which = closest(scene, p, keep, EXACT)
@@ -247,7 +238,7 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
     spare, _ = cut(workspace[CLOCK_SIZE:], count, 3)
     most = 0.0
     for i in range(count):
-        put_vec(spare, i, 0, _off(obstacles, scale(0.5, add(get_vec(a, i, 0), get_vec(b, i, 0))), keep))
+        put_vec(spare, i, 0, _push_off(obstacles, scale(0.5, add(get_vec(a, i, 0), get_vec(b, i, 0))), keep))
         if i > 0:
             most += norm(sub(get_vec(a, i, 0), get_vec(a, i - 1, 0)))
             most += norm(sub(get_vec(b, i, 0), get_vec(b, i - 1, 0)))
@@ -255,7 +246,7 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
     if spacing * (count - 1) > most:
         return False
     for i in range(count - 1):
-        if not _free(obstacles, get_vec(middle, i, 0), get_vec(middle, i + 1, 0), LEASH_SLACK * keep, clock):
+        if not _is_free(obstacles, get_vec(middle, i, 0), get_vec(middle, i + 1, 0), LEASH_SLACK * keep, clock):
             return False
     return True
 
@@ -293,4 +284,4 @@ def trace_lines(
     _begin(clock, seconds)
     units = work_of_all(obstacles)
     for i in range(starts.shape[0]):
-        lengths[i], which[i] = _ray(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, units, clock)
+        lengths[i], which[i] = _follow_line(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, units, clock)

@@ -12,9 +12,6 @@ ORIGIN_NUMBER = 1 << (BITS - 1)
 
 MASK = 2 * ORIGIN_NUMBER - 1
 
-MOST_LEVELS = 12
-"""Highest level that a key can tell, with room for the cell that it lies in."""
-
 
 def key_of(level: int, x: int, y: int, z: int) -> int:
     """Key of a cell."""

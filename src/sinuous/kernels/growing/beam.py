@@ -106,7 +106,7 @@ def differs(beam: Beam, pose: tuple[Mat, Vec], edge: float, turns: float) -> boo
     return True
 
 
-def _put(level: Array, to: int, chains: Array, i: int) -> None:
+def _copy_chain(level: Array, to: int, chains: Array, i: int) -> None:
     for j in range(CHAIN_WIDTH):
         level[to, j] = chains[i, j]
 
@@ -132,12 +132,12 @@ def keep(beam: Beam, k: int, count: int, segment: float) -> int:
             beam, frame(beam.made, i), END_SPACING * segment, TANGENT_CELLS
         ):
             before[parent, CHILDREN] += 1.0
-            _put(level, kept, beam.made, i)
+            _copy_chain(level, kept, beam.made, i)
             kept += 1
         else:
             others += 1
             beam.items[beam.items.shape[0] - others] = i
     for other in range(1, min(others, width - kept) + 1):
-        _put(level, kept, beam.made, beam.items[beam.items.shape[0] - other])
+        _copy_chain(level, kept, beam.made, beam.items[beam.items.shape[0] - other])
         kept += 1
     return kept

@@ -92,7 +92,7 @@ def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
     return SHORT_COST * short + LONG_COST * long
 
 
-def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
+def _list_arcs(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     """Put the arcs that continue the `count` chains of `k` segments into the heap, by the scores that they promise.
 
     Obstacles are left out, and the new end is taken to see what the old one did, or what is half a segment beyond it.
@@ -115,7 +115,7 @@ def _promise(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     return size
 
 
-def _draw(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
+def _draw_arcs(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     """Do the same with arcs drawn at random, as many in all for few chains as for many; chance puts them in order."""
     level, each, size = beam.levels[k], beam.arcs.shape[0] // count, 0
     for item in range(each * count):
@@ -130,7 +130,7 @@ def _draw(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> int:
     return size
 
 
-def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int, int], made: int) -> bool:
+def _continue_chain(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int, int], made: int) -> bool:
     """Make number `made` of the new chains, by an arc that continues one of `k` segments; False where it cannot be.
 
     `which`: the number of the chain that is continued, and that of the arc.
@@ -163,7 +163,7 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple[int,
     return True
 
 
-def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int, each: int) -> int:
+def _make_chains(problem: Problem, leg: Leg, beam: Beam, k: int, size: int, each: int) -> int:
     """Examine the `size` arcs in the heap, `each` for a chain, the most promising first.
 
     Without a route scores tell little, so no more chains are made than are kept. Returns how many chains that makes.
@@ -176,11 +176,11 @@ def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int, each: int) 
             return 0
         item, size = heap.pop(beam.heap, beam.items, size)
         left -= 1
-        count += 1 if _continued(problem, leg, beam, k, (item // each, item), count) else 0
+        count += 1 if _continue_chain(problem, leg, beam, k, (item // each, item), count) else 0
     return count
 
 
-def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, open_from: float) -> bool:
+def _find_open_ends(problem: Problem, beam: Beam, k: int, count: int, open_from: float) -> bool:
     """Whether one of the `count` chains of `k` segments ends so far from the obstacles, in radii; notes how far."""
     level, found = beam.levels[k], False
     n = problem.limits.shape[0]
@@ -251,13 +251,13 @@ def grow_chains(
             seen = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0)) if leads(leg.guide) else 1
             levels[k, i, GUIDE_POINT] = seen
         while k <= min(leg.last, counts.shape[0] - 2) and counts[k] > 0:
-            if open_from < math.inf and _in_the_open(problem, beam, k, counts[k], open_from):
+            if open_from < math.inf and _find_open_ends(problem, beam, k, counts[k], open_from):
                 return True
             if leads(leg.guide):
-                each, promised = ARCS, _promise(problem, leg, beam, k, counts[k])
+                each, promised = ARCS, _list_arcs(problem, leg, beam, k, counts[k])
             else:
-                each, promised = beam.arcs.shape[0] // counts[k], _draw(problem, leg, beam, k, counts[k])
-            made = _make(problem, leg, beam, k, promised, each)
+                each, promised = beam.arcs.shape[0] // counts[k], _draw_arcs(problem, leg, beam, k, counts[k])
+            made = _make_chains(problem, leg, beam, k, promised, each)
             k += 1
             counts[k] = keep(beam, k, made, mean)
         if counts[k] == 0 or k == counts.shape[0] - 1:

@@ -4,6 +4,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.chain.kinematics import compose, frame
+from sinuous.kernels.freespace.band import span
 from sinuous.kernels.growing.arcs import Start, thickness
 from sinuous.kernels.growing.guide import Guide
 from sinuous.kernels.maths.vectors import ZERO, Array, dot, get_vec, norm, sub
@@ -37,9 +38,7 @@ def _target(problem: Problem, number: int) -> tuple[int, int]:
 
 def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
     """Leg `number`, from segment `first` on, along points (K, 3), which are evenly spaced, or nearly so."""
-    limits, length = problem.limits, 0.0
-    for i in range(1, points.shape[0]):
-        length += norm(sub(get_vec(points, i, 0), get_vec(points, i - 1, 0)))
+    limits, count = problem.limits, points.shape[0]
     radius, turn = math.inf, LARGEST_TURN_RADIUS * problem.unit
     for k in range(limits.shape[0]):
         radius = min(radius, thickness(problem, k))
@@ -49,7 +48,7 @@ def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
     target, last = _target(problem, number)
     _, around = backbone_end(problem, target, last)
     back = tangent_back(problem.targets, target) if around == 0.0 else ZERO
-    return Leg(Guide(points, length / (points.shape[0] - 1), back, radius, turn), target, first, last, around)
+    return Leg(Guide(points, span(points, count) / (count - 1), back, radius, turn), target, first, last, around)
 
 
 def missed(problem: Problem, leg: Leg, end: Start) -> float:

@@ -59,7 +59,7 @@ def _left(search: Search, nodes: Array, goals: Array, at: int) -> float:
     return float(search.left[at])
 
 
-def _reach(search: Search, nodes: Array, goals: Array, size: int, at: int, cost: float, before: int) -> int:
+def _note_way(search: Search, nodes: Array, goals: Array, size: int, at: int, cost: float, before: int) -> int:
     """Note a way to a node if it is the shortest that is known; returns the size of the heap."""
     if cost >= search.cost[at]:
         return size
@@ -113,7 +113,7 @@ def walk(
     search.left[:] = -1.0
     size = 0
     for i in range(starts.shape[0]):
-        size = _reach(search, nodes, goals, size, int(starts[i]), costs[i], -1)
+        size = _note_way(search, nodes, goals, size, int(starts[i]), costs[i], -1)
     best, last = math.inf, -1
     while size > 0 and search.priority[0] < best:
         at, size = heap.pop(search.priority, search.items, size)
@@ -123,7 +123,7 @@ def walk(
         for i in range(begins[at], begins[at + 1]):
             if not closed[motions[i]] and size < search.items.shape[0]:
                 other = int(neighbours[i])
-                size = _reach(search, nodes, goals, size, other, gone + _apart(nodes[at], nodes[other]), at)
+                size = _note_way(search, nodes, goals, size, other, gone + _apart(nodes[at], nodes[other]), at)
     return _trace(search, last, way)
 
 

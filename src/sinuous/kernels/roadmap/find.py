@@ -106,7 +106,7 @@ def _put_lines(
             return
 
 
-def _straight(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array) -> bool:
+def _sees_goal(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array) -> bool:
     """Whether the goal is in sight from the start: a search would check there first, and needs no other places then."""
     put_vec(roadmap.places, START_PLACE, 0, grid.start)
     put_vec(roadmap.places, GOAL_PLACE, 0, grid.goal)
@@ -121,10 +121,10 @@ def _straight(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array
     return seen and not spend(roadmap.clock, looked * work_of_all(scene))
 
 
-def _search(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array, count: int) -> bool:
+def _search_places(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array, count: int) -> bool:
     """Search for a route from place to place, as far as the time allows; `before` leads back from the goal.
 
-    What cut the line from the start to the goal is among what is `recent` already, see `_straight`.
+    What cut the line from the start to the goal is among what is `recent` already, see `_sees_goal`.
     """
     units = work_of_all(scene)
     for i in range(count):
@@ -162,7 +162,7 @@ def _search(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Array, 
     return False
 
 
-def _draw(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route: Array) -> int:
+def _draw_route(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one that was found; returns how many points it has."""
     line, count, place = roadmap.spare, 3, roadmap.before[GOAL_PLACE]
     while place != START_PLACE:
@@ -180,14 +180,14 @@ def _draw(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, route:
     return wanted
 
 
-def _find(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles: Array, route: Array) -> int:
+def _find_route(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles: Array, route: Array) -> int:
     """Fill `route` (K, 3); see `find_by_edges`."""
     grid = route_grid(query)
-    if not _straight(roadmap, grid, scene, triangles):
+    if not _sees_goal(roadmap, grid, scene, triangles):
         count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
-        if not _search(roadmap, grid, scene, triangles, count):
+        if not _search_places(roadmap, grid, scene, triangles, count):
             return 0
-    return _draw(roadmap, grid, scene, query, route)
+    return _draw_route(roadmap, grid, scene, query, route)
 
 
 @entry
@@ -221,4 +221,4 @@ def find_by_edges(
     allow(roadmap.clock, seconds)
     if seconds <= 0.0:  # a straight route takes fewer evaluations than pass before the time is read
         return 0
-    return _find(roadmap, read_scene(scene), read_query(query), edges, triangles, route)
+    return _find_route(roadmap, read_scene(scene), read_query(query), edges, triangles, route)

@@ -64,7 +64,7 @@ def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     return total
 
 
-def _loose(wishes: Wishes) -> float:
+def _looseness(wishes: Wishes) -> float:
     """How many times farther than in the metric of other steps lengths move beside bends in that of the cost."""
     weight = wishes.initial + wishes.bends
     if weight == 0.0:
@@ -74,9 +74,9 @@ def _loose(wishes: Wishes) -> float:
     return math.sqrt(weight / wishes.initial)
 
 
-def _pull(state: State, work: Work, wishes: Wishes, step_length: float) -> None:
+def _wish_for_less(state: State, work: Work, wishes: Wishes, step_length: float) -> None:
     """Wish for `step_length` of the motion to where the cost of start and bends is least."""
-    weight, loose = wishes.initial + wishes.bends, _loose(wishes)
+    weight, loose = wishes.initial + wishes.bends, _looseness(wishes)
     for k in range(state.q.shape[0]):
         x = y = z = 0.0
         if weight > 0.0:
@@ -87,7 +87,7 @@ def _pull(state: State, work: Work, wishes: Wishes, step_length: float) -> None:
         put_vec(work.mean, k, 0, (step_length * x, step_length * y, step_length * z))
 
 
-def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds: bool) -> None:
+def _measure_motion(problem: Problem, measured: Problem, q: Array, loose: float, holds: bool) -> None:
     """Measure motion by the cost. What `holds` lets lengths that a step has led to a limit stay there.
 
     Otherwise corrections lead them away from it again, step after step, and none of these gains what it promises.
@@ -97,7 +97,7 @@ def _measure(problem: Problem, measured: Problem, q: Array, loose: float, holds:
         measured.limits[k, t.LENGTH_SCALE] = loose * problem.limits[k, t.LENGTH_SCALE] if moves else 0.0
 
 
-def _correct(
+def _return_to_targets(
     problem: Problem,
     measured: Problem,
     states: State,
@@ -137,10 +137,10 @@ def improve(
 
     `measured` is the problem where motion is measured by the cost. Self-contacts are examined only `with_self`.
     """
-    at, free, spare, loose = 0, 1, 2, _loose(wishes)
+    at, free, spare, loose = 0, 1, 2, _looseness(wishes)
     start = pick(states, at)
     copy(best, start.q)
-    _measure(problem, measured, best, loose, False)
+    _measure_motion(problem, measured, best, loose, False)
     linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, with_self)
     least = cost(problem, start, wishes)
     step_length, enough = 1.0, 0.0
@@ -150,16 +150,16 @@ def improve(
         if least <= enough or step_length < LEAST_STEP or over(work.clock):
             return iteration
         state, trial = pick(states, at), pick(states, free)
-        _pull(state, work, wishes, step_length)
+        _wish_for_less(state, work, wishes, step_length)
         step(measured, state, work, EXACT_DAMPING)
         if wishes.initial + wishes.bends == 0.0:
             for k in range(state.q.shape[0]):
                 put_vec(work.step, k, 0, scale(step_length, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
         linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance, with_self)
-        _measure(problem, measured, trial.q, loose, step_length < 1.0)
-        found_at = _correct(problem, measured, states, free, spare, work, depth, wishes.clearance, with_self)
-        _measure(problem, measured, trial.q, loose, False)
+        _measure_motion(problem, measured, trial.q, loose, step_length < 1.0)
+        found_at = _return_to_targets(problem, measured, states, free, spare, work, depth, wishes.clearance, with_self)
+        _measure_motion(problem, measured, trial.q, loose, False)
         free, spare = found_at, free + spare - found_at
         found = pick(states, free)
         if late(work.clock):  # contacts are missing

@@ -17,6 +17,9 @@ EQUILIBRIUM_WIDTH = 10
 SMALLEST_LOAD_STEP = 1.0 / 256.0
 """Least growth of the load factor in the continuation."""
 
+MOST_STEPS = 12
+"""Newton steps from what is predicted to an equilibrium."""
+
 NUDGE = 0.2
 """Bend of the whole body by which an unstable equilibrium is left, rad."""
 
@@ -69,10 +72,10 @@ def is_stable(record: Array) -> bool:
 
 
 @shared
-def equilibrate_near(x: Array, tensions: Array, body: Body, most: int, space: Workspace, record: Array) -> None:
-    """Go from a state near an equilibrium to it, in so many steps at most or not at all; fill `record` (10,)."""
+def equilibrate_near(x: Array, tensions: Array, body: Body, space: Workspace, record: Array) -> None:
+    """Go from a state near an equilibrium to it, in few steps or not at all; fill `record` (10,)."""
     find_taut(body.lines, tensions, space)
-    found, steps = descend(x, tensions, body, 1.0, True, space, most)
+    found, steps = descend(x, tensions, body, 1.0, True, space, MOST_STEPS)
     record[LOAD_FACTOR], record[NEWTON_STEPS] = 1.0 if found else 0.0, steps
     if found:
         _record_state(x, tensions, body, space, record)

@@ -47,9 +47,6 @@ from sinuous.kernels.velocity.bounds import ACTUATOR_INSET, normalise
 from sinuous.kernels.velocity.contacts import ContactGaps, add_contacts, add_self_contacts
 from sinuous.kernels.velocity.layout import Control
 
-MOST_STEPS = 12
-"""Newton steps from what is predicted to an equilibrium."""
-
 EXCESS_ROUNDING = 5e-12
 """Excess of a stretch over its limits that is rounding, in mean lengths of the robot."""
 
@@ -108,7 +105,7 @@ def _find_near(own: RestingBody, q: Array) -> bool:
     """Bring the body to rest at a drive `q` (n, 3), whose arcs are there, from the state that is predicted."""
     predict_state((own.at, own.x, own.tensions), (own.columns, own.pulls), q, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, own.unloaded, own.trial_x)
-    equilibrate_near(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
+    equilibrate_near(own.trial_x, own.trial_tensions, own.body, own.space, own.record)
     found = is_stable(own.record)
     if found:
         copy(q, own.at)
@@ -264,7 +261,7 @@ def add_resting_contacts(
     `itself`: the same gaps from the body itself. Returns the next free row, and the largest lack of a gap.
     """
     arcs, at = own.arcs, first
-    count, least = add_self_contacts(own.problem, arcs, itself, 0)
+    count, least = add_self_contacts(own.problem, arcs, itself)
     lack = gaps.keep - least
     if number_of(problem.scene) > 0:
         count, seen = add_contacts(own.problem, arcs, gaps, count, arcs.bounds.shape[0])

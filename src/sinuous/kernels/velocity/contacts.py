@@ -144,13 +144,13 @@ def add_contacts(problem: Problem, control: Control, gaps: ContactGaps, first: i
     return count, least
 
 
-def add_self_contacts(problem: Problem, control: Control, gaps: ContactGaps, first: int) -> tuple[int, float]:
-    """The same for the body and itself; `gaps.wish` is of obstacles alone."""
+def add_self_contacts(problem: Problem, control: Control, gaps: ContactGaps) -> tuple[int, float]:
+    """The same for the body and itself, from row 0 on; `gaps.wish` is of obstacles alone."""
     if not problem.avoids_itself:
-        return first, math.inf
+        return 0, math.inf
     shape = Shape(problem.limits, control.q, control.frames, control.spans)
     found, least = self_contacts(shape, control.columns, gaps.ahead, problem.unit, control.pairs)
-    at = first
+    at = 0
     for a in range(min(found, MOST_PAIRS)):
         gap = gaps.ahead - control.pairs[a, PAIR_VALUE] * problem.unit
         low = high = -1

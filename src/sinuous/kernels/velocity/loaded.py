@@ -53,7 +53,7 @@ from sinuous.kernels.statics.newton import Body, carve, copy_state, workspace_si
 from sinuous.kernels.step.newton import FINEST_PROOF
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH, RADIUS, SEGMENT_WIDTH, SELF_RADIUS
 from sinuous.kernels.velocity import query as k
-from sinuous.kernels.velocity.body import MOST_STEPS, RestingBody, hold_rigid, owner_of, unroll
+from sinuous.kernels.velocity.body import RestingBody, hold_rigid, owner_of, unroll
 from sinuous.kernels.velocity.layout import (
     BEND_CHANGE,
     BOUND_WIDTH,
@@ -412,7 +412,7 @@ def _find_middle(own: RestingBody, piece: Way, departure: Departure) -> bool:
     fill_tables_between(departure, piece, 0.5, own.body.arcs)
     copy_state(departure.x, departure.tensions, own.trial_x, own.trial_tensions)
     hold_rigid(own.body.arcs, departure.states, own.trial_x)
-    equilibrate_near(own.trial_x, own.trial_tensions, own.body, MOST_STEPS, own.space, own.record)
+    equilibrate_near(own.trial_x, own.trial_tensions, own.body, own.space, own.record)
     return is_stable(own.record)
 
 

@@ -206,7 +206,7 @@ def _list_bounds(
         if not _may_touch(problem, asked):
             return first, 0.0
         return add_resting_contacts(problem, control, resting, own, gaps, first)
-    count, least = add_self_contacts(problem, control, own, 0)
+    count, least = add_self_contacts(problem, control, own)
     count = add_actuators(asked, control, start, count)
     lack = gaps.keep - least
     if number_of(problem.scene) > 0:
@@ -312,7 +312,7 @@ def _least_gap(problem: Problem, control: Control, q: Array, ahead: float) -> fl
     copy(q, control.q)
     forward_with_columns(problem.limits, control.q, control.frames, control.columns)
     gaps = ContactGaps(0.0, 0.0, ahead)
-    count, least = add_self_contacts(problem, control, gaps, 0)
+    count, least = add_self_contacts(problem, control, gaps)
     if number_of(problem.scene) > 0:
         _, seen = add_contacts(problem, control, gaps, count, control.bounds.shape[0])
         least = min(least, seen)

@@ -14,8 +14,8 @@ from sinuous.motion.planning.local_planner import CLEARANCES, LocalPlanner
 from sinuous.problem.target import Target
 from sinuous.solver.polylines import lengths_along
 
-SHORTEST, LONGEST = 5e-3, 0.05
-"""Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
+SHORTEST, LONGEST = 0.05, 0.4
+"""Steps of the tip, in segments: twice as long after one that succeeds, half as long after one that does not."""
 
 ENOUGH = 0.15
 """What is left in front of the tip of a body that is drawn back altogether, in robot lengths."""
@@ -73,7 +73,8 @@ class Retraction:
         self._other = other
         apart = np.linalg.norm(self._points - local.robot.tip(other)[:3, 3], axis=1)
         self._beside = float(self._along[apart.argmin()])
-        self._step, self._stuck = SHORTEST * local.robot.mean_length, 0
+        self._segment = local.robot.mean_length / len(q)
+        self._step, self._stuck = SHORTEST * self._segment, 0
         self.left = float(self._along[-1])
         self.knots = [q]
         self._rates: dict[bool, Floats] = {}
@@ -83,18 +84,19 @@ class Retraction:
 
         It stops where so many `ways`, one after the other, lead no further.
         """
-        unit = self._local.robot.mean_length
+        enough = ENOUGH * self._local.robot.mean_length
         for _ in range(steps):
-            if self.left <= ENOUGH * unit or self._stuck == WAYS or self._local.deadline.left() <= 0.0:
+            if self.left <= enough or self._stuck == WAYS or self._local.deadline.left() <= 0.0:
                 return True
             if self._stuck == ways:
                 break
             if self._goes_to(max(0.0, self.left - self._step)):
-                self._step, self._stuck = min(2.0 * self._step, LONGEST * unit), 0
-            elif self._step >= 2.0 * SHORTEST * unit:
+                self._step, self._stuck = min(2.0 * self._step, LONGEST * self._segment), 0
+            elif self._step >= 2.0 * SHORTEST * self._segment:
                 self._step *= 0.5
             else:
-                self._way, self._step, self._stuck = (self._way + 1) % WAYS, SHORTEST * unit, self._stuck + 1
+                self._way, self._stuck = (self._way + 1) % WAYS, self._stuck + 1
+                self._step = SHORTEST * self._segment
         return False
 
     def _goes_to(self, along: float) -> bool:
@@ -119,13 +121,13 @@ class Retraction:
         """
         if meets not in self._rates:
             q, robot = self.knots[-1], self._local.robot
-            n, weights, wished = len(q), np.arange(1, len(q) + 1) / len(q), np.zeros((len(q), 3))
+            weights, wished = np.arange(1, len(q) + 1) / len(q), np.zeros((len(q), 3))
             if meets:
                 places = self.left - np.append(np.cumsum(q[:0:-1, 2])[::-1], 0.0)
-                weights[places < self._beside - BEFORE * robot.mean_length / n] = 0.0
+                weights[places < self._beside - BEFORE * self._segment] = 0.0
                 weights[-1] = 1.0
                 left = self.left - self._beside
-                wished = (self._other - q) / max(left, LONGEST * robot.mean_length) if left > 0.0 else wished
+                wished = (self._other - q) / max(left, LONGEST * self._segment) if left > 0.0 else wished
             self._rates[meets] = sliding(robot, q, weights, wished)
         return self._rates[meets]
 

@@ -151,7 +151,7 @@ class PlanSearch:
             if query.deadline.left() <= 0.0:
                 return
             self._draw_back(turn)
-            yield self._grow(turn) or self._grow_retracted(turn)
+            yield self._grow_straight(turn) or self._grow_retracted(turn)
 
     def _between_ends(self, draws: tuple[int, int]) -> ProvedPath | None:
         """Let trees grow from the ends as they are, anew where they begin with draw 0."""
@@ -199,7 +199,7 @@ class PlanSearch:
             self._begun[key] = Retraction(self._local, end, kind, other)
         return self._begun[key]
 
-    def _grow(self, turn: int) -> ProvedPath | None:
+    def _grow_straight(self, turn: int) -> ProvedPath | None:
         """Let straight trees grow from the start, or the end of one of its retractions, to knots of the goals'."""
         query, out = self._query, [self._query.start]
         if self._outs and turn % 2 == 0:
@@ -209,7 +209,7 @@ class PlanSearch:
 
     def _join(self, out: Chain, ins: list[Chain], seed: int, draws: int) -> ProvedPath | None:
         """Let trees grow from the end of a chain of the start's to knots of the goals', and lead on into the ends."""
-        knots = [q for chain in ins for q in self._some(chain, out[-1])]
+        knots = [q for chain in ins for q in self._choose_knots(chain, out[-1])]
         path = self._joining.grow(np.stack([out[-1], *knots]), seed, (0, draws), self._query.deadline)
         if path is None:
             return None
@@ -224,7 +224,7 @@ class PlanSearch:
         found = self._retracted.grow(0 if turn == 0 else RETRACTED_DRAWS)
         return None if found is None else self._shortened(found)
 
-    def _some(self, knots: Chain, out: Floats) -> Chain:
+    def _choose_knots(self, knots: Chain, out: Floats) -> Chain:
         """Some of the knots, the last one first, and the one that is nearest to a configuration (n, 3)."""
         some = np.linspace(len(knots) - 1, 0, ROOTS).round().astype(int)
         squares = np.square((np.stack(knots) - out) * lever_metric(self._query.robot)).sum(axis=(1, 2))

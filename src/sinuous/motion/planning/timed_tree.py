@@ -34,17 +34,17 @@ def grow_timed_tree(query: TimedQuery) -> ProvedPath | None:
         draws += 1
         if draws % PATIENCE == 0:
             goals = query.goals(tree.q)
-        node = _extend(query, tree, *_draw(query, tree, goals, rng))
+        node = _extend_tree(query, tree, *_draw_state(query, tree, goals, rng))
         if node is None:
             continue
         for goal in goals:
-            end = _arrive(query, tree, node, goal)
+            end = _arrive_at(query, tree, node, goal)
             if end is not None:
-                return _path(tree, end)
+                return _path_to(tree, end)
     return None
 
 
-def _draw(query: TimedQuery, tree: Tree, goals: Floats, rng: np.random.Generator) -> tuple[Floats, float]:
+def _draw_state(query: TimedQuery, tree: Tree, goals: Floats, rng: np.random.Generator) -> tuple[Floats, float]:
     """Draw a configuration (n, 3) and a time."""
     when = query.begin + (query.end - query.begin) * rng.random()
     kind = rng.random()
@@ -55,7 +55,7 @@ def _draw(query: TimedQuery, tree: Tree, goals: Floats, rng: np.random.Generator
     return _draw_configuration(query.robot, query.start, rng), when
 
 
-def _extend(query: TimedQuery, tree: Tree, q: Floats, when: float) -> int | None:
+def _extend_tree(query: TimedQuery, tree: Tree, q: Floats, when: float) -> int | None:
     """Add a node towards what was drawn, from the nearest node before it in time; `None` where no edge is clear.
 
     Far are also nodes from where the way takes longer than the rates allow until then.
@@ -73,13 +73,13 @@ def _extend(query: TimedQuery, tree: Tree, q: Floats, when: float) -> int | None
         share = min(1.0, float(waits[node] / least[node])) if least[node] > 0.0 else 1.0
         for part in (1.0, 0.5):
             end = tree.q[node] + part * share * moves[node]
-            new = _add(query, tree, node, end, float(when - (1.0 - part) * waits[node]))
+            new = _add_node(query, tree, node, end, float(when - (1.0 - part) * waits[node]))
             if new is not None:
                 return new
     return None
 
 
-def _arrive(query: TimedQuery, tree: Tree, node: int, goal: Floats) -> int | None:
+def _arrive_at(query: TimedQuery, tree: Tree, node: int, goal: Floats) -> int | None:
     """Add an edge from a node to a goal (n, 3), at the end of the time or as early as rates allow."""
     begin = float(tree.times[node])
     least = float(query.least((goal - tree.q[node])[None])[0]) * (1.0 + ROUNDING)
@@ -88,13 +88,13 @@ def _arrive(query: TimedQuery, tree: Tree, node: int, goal: Floats) -> int | Non
         return None
     tries = [left] if not query.early else [min(left, share * max(least, 1e-3 * left)) for share in (1.0, 2.0)]
     for duration in tries:
-        end = _add(query, tree, node, goal, begin + duration)
+        end = _add_node(query, tree, node, goal, begin + duration)
         if end is not None:
             return end
     return None
 
 
-def _add(query: TimedQuery, tree: Tree, node: int, q: Floats, when: float) -> int | None:
+def _add_node(query: TimedQuery, tree: Tree, node: int, q: Floats, when: float) -> int | None:
     """Add an edge from a node where it is quick enough and proved clear."""
     proof = query.prove_in_time(tree.q[node], q, float(tree.times[node]), when)
     if proof is None or len(tree) >= MOST_NODES:
@@ -102,7 +102,7 @@ def _add(query: TimedQuery, tree: Tree, node: int, q: Floats, when: float) -> in
     return tree.add(q, node, when, proof)
 
 
-def _path(tree: Tree, end: int) -> ProvedPath:
+def _path_to(tree: Tree, end: int) -> ProvedPath:
     nodes = tree.branch(end)
     answers = [proof for proof in (tree.proofs[node] for node in nodes[1:]) if proof is not None]
     return ProvedPath(tree.q[nodes], np.stack(answers), tree.times[nodes])

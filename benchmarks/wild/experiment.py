@@ -6,6 +6,7 @@ Motions of wild worlds are timed, planned, and tracked, stepped and solved while
 
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -190,7 +191,8 @@ def live(seed: int, number: int) -> Judged:
         if len(seen) == when:
             scene.move("ball", position=near - far)
 
-    return _judged(world, sn.track(robot, path, scene, start=world.hidden[0], progress=move, time=BUDGET))
+    on_the_way = replace(world, possible=False)  # waypoints are no hidden shapes, and the ball may come onto one
+    return _judged(on_the_way, sn.track(robot, path, scene, start=world.hidden[0], progress=move, time=BUDGET))
 
 
 def ticks(draw: Callable[[int, int], World], seed: int, number: int) -> Judged:

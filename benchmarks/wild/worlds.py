@@ -559,7 +559,7 @@ def loaded(seed: int, number: int) -> World:
     rng = np.random.default_rng([seed, 23, number])
     while True:
         robot = loaded_robot(10.0 ** rng.uniform(-3.0, 3.0), rng)
-        q = shapes_of(robot, 6, rng)
+        q = robot.clamp(shapes_of(robot, 6, rng))  # segments that no tendon moves are straight
         q = q[standing(robot, q)]
         if len(q) == 0:
             continue

@@ -46,10 +46,7 @@ FIRST_STEPS = 8
 """By how many steps, as long as the first way to draw them back leads on."""
 
 DRAWS = 128
-"""Draws of trees in the first turn; in each turn they are planted anew, with twice as many."""
-
-MOST_DRAWS = 2**20
-"""Most draws in one turn."""
+"""Draws of trees in the first turn; in each turn they are planted anew, with so many more."""
 
 RETRACTED_DRAWS = 8
 """Draws of the contact-retraction trees in a turn: where a retraction is stuck, one from nearby often is not. In the
@@ -205,7 +202,7 @@ class PlanSearch:
         if self._outs and turn % 2 == 0:
             out = self._outs[-1]
         ins = [*self._ins, *([q] for q in query.goals(query.start[None]))]
-        return self._join(out, ins, (query.seed + turn) % 2**31, min(DRAWS << turn, MOST_DRAWS))
+        return self._join(out, ins, (query.seed + turn) % 2**31, DRAWS * (turn + 1))
 
     def _join(self, out: Chain, ins: list[Chain], seed: int, draws: int) -> ProvedPath | None:
         """Let trees grow from the end of a chain of the start's to knots of the goals', and lead on into the ends."""

@@ -20,6 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sinuous as sn
+from benchmarks.judges.kinematics import segment_ends
 from benchmarks.places import make
 from sinuous.base.arguments import MethodName
 from sinuous.kernels.clock import SEGMENT_WORK, STRIDE
@@ -144,6 +145,16 @@ def test_each_attempt_leads_to_a_solution_by_itself(family: str, number: int, na
     if found.route is not None:
         np.testing.assert_allclose(found.route[0], place.robot.base[:3, 3], atol=1e-9)
     np.testing.assert_array_equal(solver.solve(place.targets).q, found.q)
+
+
+@pytest.mark.parametrize(("seed", "segment"), [(52031, 3), (230113, 5)])
+def test_random_chains_pass_an_intermediate_target_among_hundreds_of_sheets(seed: int, segment: int) -> None:
+    place = make("sheets", seed)
+    elbow = sn.Target(segment_ends(place.robot, place.hidden_q[None])[0, segment, :3, 3], segment=segment)
+    solver = sn.Solver(place.robot, place.scene, time=60.0, max_starts=100, without=alone("unguided"))
+    found = solver.solve((elbow, place.target))
+    assert found.solved
+    assert found.verify().ok
 
 
 @pytest.mark.parametrize("asked", ["position", "direction", "rotation", "elbow"])

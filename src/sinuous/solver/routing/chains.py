@@ -14,6 +14,8 @@ with one of these. So, for some of its tangents, chains are also grown in two pa
 from there.
 
 Chains are also grown without a route, at random: w chains from either end make w^2 pairs, some of which nearly meet.
+Hardly one of them passes an intermediate target by chance: the shorter part, from it to the base or to the tip, is
+solved first, in many ways, and beams grow from where these end, and from the other end.
 
 Terminal poses are those in which a chain from the target may begin. A bridge is what stands in the open between a chain
 that comes out of a narrow place at the base and one at the target: scattered starts solve it.
@@ -43,6 +45,7 @@ from sinuous.solver.routing.partial_chains import (
     Groups,
     GrownChains,
     common_plane,
+    end_pose,
     fit_first_segments,
     join_chains,
     problem_before,
@@ -449,6 +452,22 @@ class _Junction(NamedTuple):
     j: int
 
 
+_Begun = tuple[Floats, Floats]
+"""The pose (12,) in which a chain begins, and the chain (n, 3)."""
+
+
+def _turned_about(pose: Floats, pivot: Floats, place: Floats, goal: Floats) -> Floats:
+    """Pose (12,) turned about a pivot as little as brings a place that is fixed to it into line with a goal (3,)."""
+    away, ahead = place - pivot, goal - pivot
+    lengths = np.linalg.norm(away), np.linalg.norm(ahead)
+    if min(lengths) == 0.0:
+        return pose
+    frame = least_rotation(away / lengths[0])
+    turn = frame @ least_rotation(frame.T @ ahead / lengths[1]) @ frame.T
+    rotation = turn @ pose[:POSE_POSITION].reshape(3, 3)
+    return np.append(rotation.ravel(), pivot + turn @ (pose[POSE_POSITION:] - pivot))
+
+
 class JoinedChains:
     """Chains along one route, of beams that become wider.
 
@@ -460,10 +479,13 @@ class JoinedChains:
         The legs of a route, from target to target, evenly spaced, in the length unit.
     deadline : callable
         See `Deadline`.
+    bases : ndarray (r, 12), optional
+        Poses in which chains may begin, of those without a route; by default the base.
     """
 
-    def __init__(self, groups: Groups, legs: Floats, deadline: Deadline) -> None:
+    def __init__(self, groups: Groups, legs: Floats, deadline: Deadline, bases: Floats | None = None) -> None:
         self._groups, self._legs, self._deadline = groups, legs, deadline
+        self._bases = robot_parts(groups[0]).base[None].copy() if bases is None else bases
         self._n = int(groups[0][0])
         self._segment = float(groups[2][UNIT]) / self._n
         self._terminal_poses = find_terminal_poses(groups, np.concatenate(list(legs)))
@@ -493,7 +515,8 @@ class JoinedChains:
         yield from bridge_chains(self._groups, self._other, ahead, behind, width, self._deadline)
         ahead = self._ahead(width) if ahead.open else ahead
         behind = self._behind(self._other, width) if behind.open else behind
-        yield from self._joined(ahead, behind, round(MOST_JUNCTIONS * math.sqrt(width / FIRST_WIDTH)))
+        for _, chain in self._joined(ahead, behind, round(MOST_JUNCTIONS * math.sqrt(width / FIRST_WIDTH))):
+            yield chain
         yield from self._given([*self._wholes(ahead, self._groups), *self._wholes(behind, self._other)])
 
     def chains_that_meet(self, width: int) -> Iterator[Floats]:
@@ -501,16 +524,64 @@ class JoinedChains:
 
         Up to as many as a beam is wide are tried: that takes a quarter of what the beams themselves take.
         """
+        for _, chain in self._meeting(width):
+            yield chain
+
+    def _meeting(self, width: int) -> Iterator[_Begun]:
+        """Yield the same, first those that are led past an intermediate target; all where there is none of these."""
         if self._other is None:
+            return
+        passing = self._past_targets(width) if len(self._legs) > 1 else iter(())
+        first = next(passing, None)
+        if first is not None:
+            yield first
+            yield from passing
             return
         most = self._n // 2 + 1 if width <= WIDTH_OF_HALVES else self._n
         ahead, behind = self._ahead(width, most=most), self._behind(self._other, width, most=most)
         yield from self._joined(ahead, behind, width, loose=True)
 
+    def _past_targets(self, width: int) -> Iterator[_Begun]:
+        """Yield chains (n, 3) of which a part is solved up to an intermediate target: that with fewer segments."""
+        if len(self._bases) > 1 or 2 * (segments_of(self._groups)[-2] + 1) <= self._n:
+            yield from self._past_first_target(width, None)
+            return
+        assert self._other is not None
+        turned = JoinedChains(self._other, self._legs[::-1, ::-1].copy(), self._deadline, self._terminal_poses)
+        tip = self._groups[3][np.isin(self._groups[3][:, t.TARGET_SEGMENT], (-1.0, self._n - 1.0))][0]
+        place = tip[t.TARGET_POSITION : t.TARGET_POSITION + 3]
+        for begin, chain in turned._past_first_target(width, place if tip[t.ORIENTATION] == t.FREE else None):
+            yield self._bases[0], reverse_chain(self._groups, problem_from_pose(self._other, begin), chain)
+
+    def _past_first_target(self, width: int, pivot: Floats | None) -> Iterator[_Begun]:
+        """Yield chains (n, 3) whose first part is solved, up to the first target; beams grow on from there.
+
+        Where chains may begin turned about a `pivot` (3,), each is turned to face that target: few do by themselves.
+        """
+        before = problem_up_to(self._groups, segments_of(self._groups)[0] + 1)
+        grown = GrownChains(before, self._legs[:1], self._bases, width, self._deadline())
+        heads, ends = list[_Begun](), list[Floats]()
+        for i in range(grown.complete_count):
+            chain, begin = grown.complete_chain(i)
+            if pivot is not None:
+                end = end_pose(problem_from_pose(before, begin), chain)[POSE_POSITION:]
+                begin = _turned_about(begin, pivot, end, self._legs[0, -1])
+            own = problem_from_pose(before, begin)
+            head = solve_part(own, chain[None], 0, self._deadline)
+            if head is not None:
+                heads.append((begin, head))
+                ends.append(end_pose(own, head))
+        if not heads:
+            return
+        rest = problem_beyond(problem_from_pose(self._groups, heads[0][0]), heads[0][1])
+        beyond = JoinedChains(rest, self._legs[1:], self._deadline, np.stack(ends))
+        for end, tail in beyond._meeting(width):
+            begin, head = heads[int((beyond._bases == end).all(axis=1).argmax())]
+            yield begin, np.concatenate([head, tail])
+
     def _ahead(self, width: int, open_from: float = math.inf, most: int | None = None) -> GrownChains:
         """Chains from the base."""
-        base = robot_parts(self._groups[0]).base[None].copy()
-        return GrownChains(self._groups, self._legs, base, width, self._deadline(), open_from, most)
+        return GrownChains(self._groups, self._legs, self._bases, width, self._deadline(), open_from, most)
 
     def _behind(self, other: Groups, width: int, open_from: float = math.inf, most: int | None = None) -> GrownChains:
         """Chains from the target."""
@@ -530,12 +601,12 @@ class JoinedChains:
         best_first = (chain for _, chain in sorted(wholes, key=lambda whole: whole[0]))
         yield from settle_chains(self._groups, best_first, self._deadline)
 
-    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, loose: bool = False) -> Iterator[Floats]:
+    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, loose: bool = False) -> Iterator[_Begun]:
         """Yield chains (n, 3) that meet both ends, of parts from either end; `loose`: that nearly do."""
         assert self._other is not None
         each = MEETINGS_OF_A_LENGTH if loose else MOST_JUNCTIONS
         for _, k, i, j in self._joints(ahead, behind, each)[:most]:
-            (head, _), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)
+            (head, base), (tail, terminal_pose) = ahead.chain(k, i), behind.chain(self._n - k, j)
             begun = problem_from_pose(self._other, terminal_pose)
             closed = None if loose else self._closed(self._groups, head, behind.frames[self._n - k, j])
             if closed is not None and closed.code == t.SOLVED:
@@ -545,7 +616,7 @@ class JoinedChains:
                 if closed.code != t.SOLVED and not loose:
                     continue
                 tail = closed.q
-            yield join_chains(self._groups, head, begun, tail)
+            yield base, join_chains(problem_from_pose(self._groups, base), head, begun, tail)
 
     def _joints(self, ahead: GrownChains, behind: GrownChains, each: int) -> list[_Junction]:
         """Pairs of parts that nearly meet, the best first: up to `each` of every number of segments."""

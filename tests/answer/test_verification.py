@@ -125,3 +125,14 @@ def test_clearances_among_what_moves_are_those_at_each_time(every: int) -> None:
     # and so distances.
     for found, expected in zip(least_clearances(robot, scene, q, when), zip(*each, strict=True), strict=True):
         np.testing.assert_allclose(found, np.concatenate(expected), rtol=0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize("clearance", [0.003, (0.003, 0.003, 0.003), (0.001, 0.003, 0.004)])
+@pytest.mark.parametrize("joints", [[], [sn.Prismatic((0.0, 0.0, 1.0), (0.0, 1.0))]])
+def test_uncertainty_counts_however_clearance_is_given(clearance: Any, joints: Any) -> None:
+    robot = sn.Robot([sn.Segment(0.1, 2.0, radius=0.01)] * 3, joints=joints, clearance=clearance)
+    q, beside = robot.clamp(np.tile([0.0, 0.0, 0.1], (len(robot), 1))), [sn.Sphere((0.03, 0.0, 0.2), 0.015)]
+    for unsure, ok in ((0.0004, True), (0.004, False)):  # 0.005 are left
+        body = robot.changed(uncertainty=sn.Uncertainty(unsure))
+        steps = sn.Motion(body, [q, q], beside).verify()
+        assert sn.check(body, q, beside).ok == all(each.ok for each in steps) == ok

@@ -152,8 +152,9 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
     clearance, segment, obstacle, place = least_clearance(body, scene, arcs, ends)
     itself = nearest_meeting(body, arcs, ends)
-    spare = clearance - robot._least_clearances[0]
-    if isinstance(robot.clearance, tuple):
+    demanded = np.subtract(body.needed_radii, body.radii)
+    spare = clearance - float(demanded[0])
+    if np.ptp(demanded) > 0.0:
         spare = least_clearance(body, scene, arcs, ends, beyond=True).distance
     slack = ROUNDING * robot.mean_length
     at_rest = asked.shape is None or imbalance(robot, q, asked.shape.states) <= AT_REST * robot.mean_length

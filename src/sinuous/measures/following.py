@@ -145,11 +145,12 @@ def least_clearances(
     """
     when = np.zeros(len(q)) if when is None else when
     least, spare = np.full((2, len(q)), math.inf)
+    demanded = np.subtract(robot.needed_radii, robot.radii)
     segments, obstacles = np.full((2, len(q)), -1, np.intp)
     for part in together(len(q), q.shape[1]) if len(scene) else ():
         begin, beyond = free_shares(robot, q[part, :, 2])
         places, _ = backbones(robot, q[part], begin)
-        sizes = np.where(beyond, np.stack([robot.radii, np.add(robot.radii, robot.clearance)])[:, None], -math.inf)
+        sizes = np.where(beyond, np.stack([robot.radii, robot.needed_radii])[:, None], -math.inf)
         for i, near in that_matter(scene.obstacles, places, sizes, when[part]):
             gaps = np.full(near.shape, math.inf)
             obstacle, seen = seen_from(scene.obstacles[i], places[near], when[part][np.nonzero(near)[0]])
@@ -157,7 +158,7 @@ def least_clearances(
             gaps[near] = found.min(axis=1)
             gaps -= robot.radii
             gaps[~beyond] = math.inf
-            spare[part] = np.minimum(spare[part], (gaps - robot.clearance).min(axis=1))
+            spare[part] = np.minimum(spare[part], (gaps - demanded).min(axis=1))
             nearest = gaps.argmin(axis=1)
             own = gaps[np.arange(len(gaps)), nearest]
             nearer = own < least[part]

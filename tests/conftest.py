@@ -26,6 +26,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
+# Pictures that tests draw are shown nowhere.
+os.environ.setdefault("MPLBACKEND", "agg")
+
 # Kernels run compiled, whatever happens to be compiled already, unless the command says how.
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")
 

@@ -53,6 +53,13 @@ BENDS = (
 LENGTHS = (0.0, 1e-6, 1.0, 60.0)
 
 
+class Unpickled:
+    """What must not be read from a file."""
+
+    def __reduce__(self) -> Any:
+        return pytest.fail, ("unpickled",)
+
+
 @cache
 def parsed(file: Path) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"))

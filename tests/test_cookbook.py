@@ -39,7 +39,7 @@ def test_it_takes_few_statements(job: str) -> None:
 def run(job: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     shutil.copytree(ROOT / "examples", folder / "examples")
     monkeypatch.chdir(folder)
-    pytest.importorskip("matplotlib").use("agg")
+    pytest.importorskip("matplotlib")
     if "import mujoco" in JOBS[job]:
         pytest.importorskip("mujoco")
     names: dict[str, Any] = {}

@@ -60,7 +60,7 @@ def test_blocks_of_code_fit_the_width(page: Path) -> None:
 @pytest.mark.parametrize("page", LESSONS, ids=lambda page: str(page.stem))
 def test_what_lessons_show_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """All blocks of a page, one after the other."""
-    pytest.importorskip("matplotlib").use("agg")
+    pytest.importorskip("matplotlib")
     shutil.copytree(DOCS.parent / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}

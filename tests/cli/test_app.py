@@ -29,7 +29,7 @@ from sinuous.cli.app import main
 from sinuous.motion.job import read_problem
 from tests.cli.conftest import GOAL, IN_THE_WAY, PATH, ROBOT, START, Run
 from tests.cli.test_check import DEFECT
-from tests.scene.shapes import cube
+from tests.scene.shapes import cube, obj
 
 
 def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
@@ -99,8 +99,7 @@ def test_a_mesh_that_cuts_through_itself_is_a_shell_and_that_is_said(run: Run) -
     """Pulled through its opposite face, one corner of a cube turns a part of it inside out."""
     vertices, faces = cube(5.0)
     vertices[7] = (-6.0, -6.0, 1.0)
-    rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
-    Path("sheet.obj").write_text("\n".join(rows))
+    Path("sheet.obj").write_text(obj((vertices, faces)))
     said = run("solve easy.yaml shell.yaml").err
     assert (
         "note: shell.yaml: sheet: its surface cuts through itself, so it is used as a shell and not as a solid" in said

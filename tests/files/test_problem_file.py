@@ -10,7 +10,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.motion.job import read_problem
-from tests.scene.shapes import cube, together
+from tests.scene.shapes import cube, obj, together
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
 TARGET = "target: {position: [0, 0, 3]}\n"
@@ -120,9 +120,7 @@ def test_obstacles_from_files_are_found_beside_the_problem(read: Read, tmp_path:
 
 
 def test_bodies_of_a_mesh_that_overlap_are_obstacles_of_their_own(read: Read) -> None:
-    vertices, faces = together(cube(), cube(1.0, (0.5, 0.0, 0.0)))
-    rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
-    Path("parts.obj").write_text("\n".join(rows))
+    Path("parts.obj").write_text(obj(together(cube(), cube(1.0, (0.5, 0.0, 0.0)))))
     meshes = "scene: [{mesh: {file: parts.obj, scale: 2, name: engine}}, {mesh: {file: parts.obj, scale: 3}}"
     scene = read(f"{ROBOT}{TARGET}{meshes}, {{sphere: {{center: [0, 9, 0], radius: 1}}}}]").scene
     assert [scene.name(i) for i in range(len(scene))] == ["engine", "engine", "mesh[1]", "mesh[1]", "sphere[2]"]

@@ -25,7 +25,7 @@ from tests.helpers import random_pose, refused, with_each
 from tests.model import test_elastic as elastic
 from tests.model.test_actuators import DRIVEN
 from tests.model.test_laws import robots
-from tests.scene.shapes import cube, together
+from tests.scene.shapes import cube, obj, together
 from tests.statics import test_equilibrium as loaded
 
 LAMP = sn.Sphere((0, 0, 9), 1.0)
@@ -114,9 +114,7 @@ def test_robots_with_motors_elastic_tendons_and_payloads(tmp_path: Path, ending:
 
 def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:
     (tmp_path / "shapes").mkdir()
-    vertices, faces = together(cube(), cube(1.0, (0.5, 0.0, 0.0)))
-    rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
-    (tmp_path / "shapes" / "parts.obj").write_text("\n".join(rows))
+    (tmp_path / "shapes" / "parts.obj").write_text(obj(together(cube(), cube(1.0, (0.5, 0.0, 0.0)))))
     (tmp_path / "shapes" / "scan.xyz").write_text("0 0 1\n0 0 2\n")
     np.savez(tmp_path / "shapes" / "mask.npz", values=np.ones((2, 2, 2), bool), origin=(5, 5, 5), spacing=0.5)
     (tmp_path / "room.yaml").write_text(

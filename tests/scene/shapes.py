@@ -30,6 +30,19 @@ def ball(rounds: int = 2) -> Triangles:
     return vertices, faces.astype(np.int64)
 
 
+def torus(radius: float, thick: float = 0.3, count: tuple[int, int] = (24, 12), bumps: float = 0.0) -> Triangles:
+    """A surface in one piece, which cuts through itself where it is thicker than its ring is wide; a little rough."""
+    a, b = np.meshgrid(*(np.linspace(0.0, 2.0 * np.pi, n, endpoint=False) for n in count), indexing="ij")
+    thickness = thick + bumps * np.sin(7 * a) * np.cos(5 * b)
+    ring = radius + thickness * np.cos(b)
+    places = np.stack([ring * np.cos(a), ring * np.sin(a), thickness * np.sin(b)], axis=-1).reshape(-1, 3)
+    here = np.arange(a.size).reshape(a.shape)
+    next_a, next_b = np.roll(here, -1, axis=0), np.roll(here, -1, axis=1)
+    both = np.roll(next_a, -1, axis=1)
+    faces = [np.stack(each, axis=-1).reshape(-1, 3) for each in ((here, next_a, both), (here, both, next_b))]
+    return places + 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, places.shape), np.concatenate(faces)
+
+
 def together(*bodies: Triangles) -> Triangles:
     """Several bodies in one pair of arrays."""
     first = np.cumsum([0, *(len(vertices) for vertices, _ in bodies)])
@@ -39,6 +52,12 @@ def together(*bodies: Triangles) -> Triangles:
 
 def inverted(body: Triangles) -> Triangles:
     return body[0], body[1][:, ::-1]
+
+
+def obj(body: Triangles) -> str:
+    """Text of an OBJ file."""
+    vertices, faces = body[0].tolist(), (body[1] + 1).tolist()
+    return "\n".join(f"{kind} {a} {b} {c}" for kind, rows in (("v", vertices), ("f", faces)) for a, b, c in rows)
 
 
 def soup(body: Triangles) -> Triangles:

@@ -7,7 +7,7 @@ import sinuous as sn
 from sinuous.measures.obstacles import measure
 from sinuous.scene.triangles import bodies_overlap, cuts_itself
 from tests.helpers import random_rotation, refused, with_each
-from tests.scene.shapes import Triangles, ball, cube, inverted, together
+from tests.scene.shapes import Triangles, ball, cube, inverted, together, torus
 
 
 def turned(body: Triangles, rng: np.random.Generator, size: float = 1.0, at: float = 0.0) -> Triangles:
@@ -57,18 +57,6 @@ def test_a_thin_wall_between_overlapping_bodies_is_never_free(second: Triangles)
     refused("engine", lambda: sn.Scene([mesh]).prepare(), "cuts through itself")
     inside = np.array([[0.4985, 0.3, 0.2], [0.4985, 0.0, 0.0]])
     assert (sn.Scene(mesh.bodies()).distance(inside) < 0.0).all()
-
-
-def torus(radius: float, thick: float = 0.3, count: tuple[int, int] = (24, 12)) -> Triangles:
-    """A surface in one piece, which cuts through itself where it is thicker than its ring is wide; a little rough."""
-    a, b = np.meshgrid(*(np.linspace(0.0, 2.0 * np.pi, n, endpoint=False) for n in count), indexing="ij")
-    ring = radius + thick * np.cos(b)
-    places = np.stack([ring * np.cos(a), ring * np.sin(a), thick * np.sin(b)], axis=-1).reshape(-1, 3)
-    here = np.arange(a.size).reshape(a.shape)
-    next_a, next_b = np.roll(here, -1, axis=0), np.roll(here, -1, axis=1)
-    both = np.roll(next_a, -1, axis=1)
-    faces = [np.stack(each, axis=-1).reshape(-1, 3) for each in ((here, next_a, both), (here, both, next_b))]
-    return places + 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, places.shape), np.concatenate(faces)
 
 
 def at_a_corner(other: Triangles) -> Triangles:

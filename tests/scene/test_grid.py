@@ -12,7 +12,7 @@ import pytest
 
 from sinuous.base.errors import InputError
 from sinuous.scene.grids import MOST, Field, Grid
-from tests.helpers import NOT_NUMBERS, NOT_VECTORS, Floats, refused, refused_each, with_each
+from tests.helpers import NOT_NUMBERS, NOT_VECTORS, Floats, Unpickled, refused, refused_each, with_each
 
 ORIGIN = (-1.0, -2.0, -3.0)
 SPACING = 0.5
@@ -126,11 +126,6 @@ def test_arrays_of_objects_are_never_unpickled(tmp_path: Path) -> None:
     np.savez(file, values=np.array([Unpickled()], object), origin=ORIGIN, spacing=1.0)
     with pytest.raises(InputError, match=r"evil\.npz: values: cannot be read; expected .*, got .*Object arrays.*"):
         Grid.load(file)
-
-
-class Unpickled:
-    def __reduce__(self) -> Any:
-        return pytest.fail, ("unpickled",)
 
 
 LOW, HIGH = (-1.0, -1.0, -2.0), (1.0, 1.5, 2.0)

@@ -14,7 +14,7 @@ import sinuous as sn
 from sinuous.measures.obstacles import measure
 from sinuous.scene import mesh_files, triangles
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each, with_each
-from tests.scene.shapes import ball, cube, inverted, soup, together
+from tests.scene.shapes import ball, cube, inverted, soup, together, torus
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -309,24 +309,13 @@ def test_slivers_leave_a_solid_closed(count: int, share: float) -> None:
     assert triangles.are_triangles(mesh.vertices, mesh.faces).all()
 
 
-def bumpy(sides: int) -> tuple[np.ndarray, np.ndarray]:
-    """A torus with bumps: a closed surface that is nowhere plane."""
-    turn = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
-    u, v = np.meshgrid(turn, turn, indexing="ij")
-    r = 0.3 + 0.03 * np.sin(7 * u) * np.cos(5 * v)
-    places = np.stack([(1.0 + r * np.cos(v)) * np.cos(u), (1.0 + r * np.cos(v)) * np.sin(u), r * np.sin(v)], axis=-1)
-    a = np.arange(sides**2).reshape(sides, sides)
-    b, c, d = np.roll(a, -1, 0), np.roll(a, (-1, -1), (0, 1)), np.roll(a, -1, 1)
-    return places.reshape(-1, 3), np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
-
-
 @pytest.mark.parametrize("most", [0.01, 0.1])
 def test_decimation_never_claims_more_room(most: float) -> None:
     """Its margin holds by libigl, and every distance to it is at most that to the mesh as it was, by libigl, too."""
     igl = pytest.importorskip("igl")
     pytest.importorskip("fast_simplification")
     rng = np.random.default_rng(3)
-    mesh = sn.Mesh(*bumpy(40))
+    mesh = sn.Mesh(*torus(1.0, count=(40, 40), bumps=0.03))
     fewer = mesh.decimated(most)
     assert len(fewer.faces) < 0.8 * len(mesh.faces)
     assert fewer.watertight
@@ -345,12 +334,12 @@ def test_decimation_never_claims_more_room(most: float) -> None:
 
 def test_decimation_in_files_is_said_and_kept(tmp_path: Path) -> None:
     pytest.importorskip("fast_simplification")
-    trimesh.Trimesh(*bumpy(30), process=False).export(tmp_path / "a.ply")
+    trimesh.Trimesh(*torus(1.0, count=(30, 30), bumps=0.03), process=False).export(tmp_path / "a.ply")
     mesh = sn.Mesh.load(tmp_path / "a.ply", 10.0, decimate=1.0)
     assert mesh.source is not None
     assert mesh.source.arguments["decimate"] == 1.0
     assert 0.0 < mesh.margin <= 1.0
     assert mesh._box[1, 0] >= mesh.vertices[:, 0].max() + mesh.margin
     assert mesh.decimated(1e-9) is mesh
-    refused("decimate", lambda: sn.Mesh(*bumpy(9), inside=True).decimated(1.0), "the body stays out of")
+    refused("decimate", lambda: sn.Mesh(*torus(1.0), inside=True).decimated(1.0), "the body stays out of")
     refused_each("decimate", (0.0, -1.0, "a"), lambda value: sn.Mesh.load(tmp_path / "a.ply", 1.0, decimate=value))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.scene.point_cloud import PointCloud, expand_lzf, parse_pcd
-from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each, with_each
+from tests.helpers import NOT_NUMBERS, Unpickled, random_rotation, refused, refused_each, with_each
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)).round(3)
 
@@ -190,11 +190,6 @@ def test_arrays_of_objects_are_never_unpickled(tmp_path: Path) -> None:
     file = tmp_path / "evil.npy"
     np.save(file, np.array([Unpickled()], object), allow_pickle=True)
     refused("file", lambda: PointCloud.load(file, 1.0), "cannot be read")
-
-
-class Unpickled:
-    def __reduce__(self) -> Any:
-        return pytest.fail, ("unpickled",)
 
 
 IN_FILES = np.random.default_rng(0).normal(size=(50, 3)).astype("<f4")

@@ -1,5 +1,7 @@
 """Ticks of a control loop under load: the loaded tip moves as asked, within limits and rates, and is proved clear."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,16 @@ from sinuous.measures.statics import imbalance
 from sinuous.model.rates import Changes
 from sinuous.statics.rest import Rest, Way
 from tests.helpers import refused, states_of
-from tests.solver.test_loaded_solve import GRAVITY, Q, arm
+from tests.solver.test_loaded_solve import Q, arm
+from tests.solver.test_loaded_solve import pulled as strong
 
 DT = 0.02
 
 PATIENCE = 120.0
 """Seconds of a step: a busy machine that still compiles kernels must not change what is proved."""
+
+
+GOAL = Q + np.array([[0.3, -0.2, 0.0], [0.2, 0.2, 0.005], [-0.3, 0.2, 0.0]])
 
 
 def test_the_loaded_tip_moves_as_asked() -> None:
@@ -35,8 +41,7 @@ def test_the_loaded_tip_moves_as_asked() -> None:
 
 def test_ticks_come_to_a_target_within_rates_and_limits() -> None:
     robot = arm()
-    goal = Q + np.array([[0.3, -0.2, 0.0], [0.2, 0.2, 0.005], [-0.3, 0.2, 0.0]])
-    target = sn.Target(robot.shape(goal).tip[:3, 3])
+    target = sn.Target(robot.shape(GOAL).tip[:3, 3])
     rates, solver, q = sn.Rates(bend=2.0, length=0.05), sn.Solver(robot, time=PATIENCE), Q
     for _ in range(40):
         step = solver.step(q, target=target, dt=DT, rates=rates)
@@ -120,9 +125,6 @@ def test_what_was_measured_corrects_the_loaded_model() -> None:
     assert off < 1e-3 * robot.mean_length < alone
 
 
-GOAL = Q + np.array([[0.3, -0.2, 0.0], [0.2, 0.2, 0.005], [-0.3, 0.2, 0.0]])
-
-
 def test_what_is_reached_within_changes_comes_to_the_target() -> None:
     robot, rates, q, ends = arm(), sn.Rates(bend=2.0, length=0.05), Q, list[float]()
     target, solver = sn.Target(robot.shape(GOAL).tip[:3, 3]), sn.Solver(robot, time=PATIENCE)
@@ -183,10 +185,7 @@ def test_a_step_without_a_load_is_that_of_the_robot_alone(stretches: float | Non
         assert [each.constraint for each in steps[0].active] == [each.constraint for each in steps[1].active]
 
 
-def pulled(most: float, arcs: int = 3) -> sn.Robot:
-    tendons = sn.Tendons(3, 0.004, stiffness=300.0, tension=(0.0, most))
-    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons, stiffness=sn.Stiffness(0.01), mass=0.05)
-    return sn.Robot([segment] * 3, arcs=arcs, gravity=GRAVITY, payload=sn.Payload(0.01))
+pulled = partial(strong, arcs=3, payload=sn.Payload(0.01))
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -112,21 +112,24 @@ def test_limits_of_actuators_are_rows_of_each_correction() -> None:
 
 
 def test_what_cannot_be_reached_is_not_solved() -> None:
-    far = sn.solve(arm(), sn.Target((0.0, 0.0, 2.0)), time=0.2)
+    far = sn.solve(arm(), sn.Target((0.0, 0.0, 0.5)), time=0.2)
     assert not far.solved
     assert far.worst is not None
     assert far.worst.constraint == "position"
     assert far.binding == ()
+    assert f"{far.position_error:.4g}" in str(far.explain(time=0.05)), "the loaded body is what misses the target"
 
 
-def pulled(most: float) -> sn.Robot:
+def pulled(most: float, **more: Any) -> sn.Robot:
     """A robot whose tendons may be pulled by so much."""
     tendons = sn.Tendons(3, 0.004, stiffness=400.0, tension=(0.0, most))
     segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=tendons)
-    return sn.Robot([segment] * 3, stiffness=sn.Stiffness(0.01), mass=0.05, arcs=4, gravity=GRAVITY)
+    own: dict[str, Any] = {"stiffness": sn.Stiffness(0.01), "mass": 0.05, "arcs": 4, "gravity": GRAVITY, **more}
+    return sn.Robot([segment] * 3, **own)
 
 
 def test_tensions_under_load_are_within_their_limits() -> None:
+    """Of two shapes that meet a target one may need less tension: limits lead to it, from where they are violated."""
     free = pulled(1e3)
     target = sn.Target(free.shape(Q).tip[:3, 3])
     found = sn.solve(free, target, initial=Q)
@@ -139,24 +142,11 @@ def test_tensions_under_load_are_within_their_limits() -> None:
     less, more = pulled(0.9 * most), pulled(1.1 * most)
     assert sn.check(more, found.q, None, target).ok
     assert not sn.check(less, found.q, None, target).ok
-    other = sn.solve(less, target, initial=Q, time=20.0, max_starts=4)
-    if other.solved:
-        assert other.tensions is not None
-        assert max(other.tensions.values()) <= 0.9 * most * (1.0 + 1e-9)
-
-
-def test_tensions_under_load_are_rows_of_each_correction() -> None:
-    """Of two shapes that meet a target one may need less tension: limits lead to it, from where they are violated."""
-    free = pulled(1e3)
-    target = sn.Target(free.shape(Q).tip[:3, 3])
-    found = sn.solve(free, target, initial=Q)
-    assert found.tensions is not None
-    most = 0.9 * max(found.tensions.values())
-    held = sn.solve(pulled(most), target, initial=Q, time=20.0, max_starts=1)
+    held = sn.solve(less, target, initial=Q, time=20.0, max_starts=1)
     assert held.solved, held
     assert held.verify().ok
     assert held.tensions is not None
-    assert 0.9 * most < max(held.tensions.values()) <= most * (1.0 + 1e-9)
+    assert 0.9**2 * most < max(held.tensions.values()) <= 0.9 * most * (1.0 + 1e-9)
 
 
 def test_where_no_body_is_at_rest_that_is_said() -> None:
@@ -166,10 +156,6 @@ def test_where_no_body_is_at_rest_that_is_said() -> None:
     assert found.position_error is None
     assert found.worst is None
     assert found.sentence.endswith("no stable equilibrium under its loads was found")
-    missed = sn.solve(arm(), sn.Target((0.0, 0.0, 0.5)), time=0.2)
-    assert missed.worst is not None
-    said = f"{missed.position_error:.4g}"
-    assert said in str(missed.explain(time=0.05)), "the loaded body is what misses the target"
     json.dumps(found.to_dict(), allow_nan=False)
 
 

@@ -20,7 +20,7 @@ from benchmarks.judges.self_collision import FINEST, look, surely_clear
 from benchmarks.motion.limits import KINDS, arm, drawn, is_false, most_pulled
 from benchmarks.problems import random_configurations
 from benchmarks.wild import worlds
-from tests.helpers import Floats, with_each
+from tests.helpers import Floats, twist_matrix, with_each
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
 """One configuration of `ARM`, from the origin to (0, 0, 3)."""
@@ -37,9 +37,8 @@ def changed(segment: int, coordinate: int, by: float) -> Floats:
 
 @with_each("bend", [0.0, 1e-12, 1e-6, 0.3, 1.7, math.pi, 5.0])
 def test_arcs_are_the_exponential_of_their_twist(bend: float) -> None:
-    x, y, length = bend * math.cos(0.7), bend * math.sin(0.7), 1.3
-    twist = np.array([[0, 0, x, 0], [0, 0, y, 0], [-x, -y, 0, length], [0, 0, 0, 0]])
-    np.testing.assert_allclose(arc_poses(np.array(x), np.array(y), np.array(length)), expm(twist), atol=1e-14)
+    q = np.array([bend * math.cos(0.7), bend * math.sin(0.7), 1.3])
+    np.testing.assert_allclose(arc_poses(*q[:, None])[0], expm(twist_matrix(q)), atol=1e-14)
 
 
 def test_reference_agrees_with_the_library() -> None:

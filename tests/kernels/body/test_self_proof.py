@@ -9,10 +9,11 @@ import pytest
 
 from sinuous.kernels.body import self_proof
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, PAIR_VALUE, self_contacts
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.clock import STRIDE, WORK
 from sinuous.kernels.packing import segment_row
-from tests.helpers import Floats, frames_of
+from tests.helpers import Floats, columns_of, frames_of
 from tests.kernels.workspace import make_clock
 from tests.self_gaps import gaps_of, sample_body
 
@@ -158,3 +159,30 @@ def test_the_proof_ends_by_its_deadline() -> None:
         verdicts.append((prove(q, radii)[0], prove(q, radii, clock=late)[0]))
     assert (CLEAR, UNDECIDED) in verdicts
     assert all(other in (one, UNDECIDED) for one, other in verdicts)
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_contacts_ask_for_what_is_missing(several: bool) -> None:
+    """The least gap that sampling sees is what the strongest asks for; and its bound is one."""
+    rng = np.random.default_rng(5)
+    seen = 0
+    for _ in range(80):
+        if seen > 15:
+            break
+        radii = rng.uniform(0.05, 0.2, 5) if several else np.full(5, 0.15)
+        q = curled(rng, radii, 2.4)
+        pairs = np.zeros((MOST_PAIRS, 1 + 3 * len(q)))
+        shape = Shape(table_of(radii), q, frames_of(q), np.full((len(q) + 1, SPAN_WIDTH), np.nan))
+        count, low = self_contacts(shape, columns_of(q), 0.02, 2.0, pairs)
+        least, spacing = sampled(q, radii)
+        if count == 0:
+            assert low == math.inf
+            assert least > 0.02 - 1e-12
+            continue
+        seen += 1
+        asked = 2.0 * pairs[:count, PAIR_VALUE].max()
+        assert low <= least + 1e-12
+        # A tenth of the gap and a quarter of the margin may be missing.
+        assert asked >= 0.02 - least - 0.1 * abs(least) - 0.25 * 0.02 - 2.0 * spacing
+        assert asked <= 0.02 - least + 2.0 * spacing
+    assert seen > 15

@@ -2,7 +2,7 @@
 
 import math
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -65,11 +65,16 @@ def sampled_case(seed: int) -> tuple[float, float]:
 
 def sampled(case: Case) -> tuple[float, float]:
     """Least clearance and least self-clearance over many times and places."""
-    robot, radii = case.robot, np.array(case.robot.radii)
-    thick = np.append(np.repeat(radii, PLACES), radii[-1])
     t = np.linspace(0.0, 1.0, TIMES)[:, None, None]
     q = (1.0 - t) * case.q0 + t * case.q1
-    along = np.pad(np.cumsum(np.repeat(q[:, :, 2] / PLACES, PLACES, axis=1), axis=1), ((0, 0), (1, 0)))
-    free = case.scene.distance(robot.backbone(q, PLACES)) - thick if len(case.scene) else np.full(along.shape, math.inf)
-    gap = min(float(gaps_of(sample_body(one, radii, PLACES)).min()) for one in q)
-    return float(free[along >= robot.mount].min(initial=math.inf)), gap
+    places, thick, free = sampled_bodies(case.robot, q, PLACES)
+    away = case.scene.distance(places) - thick if len(case.scene) else np.full(free.shape, math.inf)
+    gap = min(float(gaps_of(sample_body(one, np.array(case.robot.radii), PLACES)).min()) for one in q)
+    return float(away[free].min(initial=math.inf)), gap
+
+
+def sampled_bodies(robot: sn.Robot, q: Floats, count: int) -> tuple[Floats, Floats, Any]:
+    """Places (m, k, 3) of configurations, `count` of a segment; radii (k,); and which of them are beyond the mount."""
+    thick = np.append(np.repeat(np.array(robot.radii), count), robot.radii[-1])
+    along = np.pad(np.cumsum(np.repeat(q[:, :, 2] / count, count, axis=1), axis=1), ((0, 0), (1, 0)))
+    return robot.backbone(q, count), thick, along >= robot.mount

@@ -1,4 +1,4 @@
-"""The step in two sweeps against the same least squares problem written out densely."""
+"""The step in two sweeps, and self-contacts in it, against the same least squares problem written out densely."""
 
 from typing import Any
 
@@ -7,8 +7,11 @@ import pytest
 
 from sinuous.kernels.body.contacts import SOFTNESS
 from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT, Rows
-from sinuous.kernels.body.self_contacts import PAIR_VALUE, PAIR_WEIGHTS
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, PAIR_VALUE, PAIR_WEIGHTS
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.step import sweeps
+from sinuous.kernels.step.coupling import couple
+from sinuous.kernels.step.states import NORMS, PAIRS, State, Work
 from sinuous.kernels.step.sweeps import HARD_VARIANCE, SOFT_VARIANCE
 from tests.helpers import Floats, columns_of, configurations, make_rows
 
@@ -76,40 +79,51 @@ def dense_step(
     return np.asarray((mean.ravel() + L @ z).reshape(n, 3))
 
 
-def sweep(columns: Floats, root: Floats, mean: Floats, rows: Rows, mu: float, coupled: bool) -> Floats:
-    step = np.full((len(columns), 3), np.nan)
+def coupled_step(
+    columns: Floats, root: Floats, mean: Floats, rows: Any, pairs: Floats, mu: float, coupled: bool
+) -> Floats:
+    n = len(columns)
+    nothing = np.zeros((n, 3))
+    norms = np.zeros(NORMS + MOST_PAIRS * (1 + 3 * n))
+    norms[PAIRS] = len(pairs)
+    norms[NORMS : NORMS + pairs.size] = pairs.ravel()
+    state = State(nothing, np.zeros((n + 1, 12)), columns, rows, norms)
+    whole = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(2, np.int64)
+    rest = np.full(SPAN_WIDTH * (n + 1) + 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1), np.nan)
+    step = np.full((n, 3), np.nan)
+    work = Work(root, mean, step, nothing.copy(), *whole, rest)
     sweeps.forward(columns, root, mean, rows, mu, coupled - 1)
     sweeps.backward(columns, root, mean, rows, step, coupled - 1)
+    couple(state, work, mu, coupled - 1)
     return step
 
 
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("mu", [1e-4, 1e-1, 10.0])
-def test_soft_rows_give_the_dense_step(n: int, mu: float) -> None:
+# A HARD row weighs some 1e10 in the dense system, which loses digits by it.
+@pytest.mark.parametrize(
+    ("hard", "most_pairs", "exact"),
+    [(False, 0, 1e-10), (True, 0, 1e-9), (False, MOST_PAIRS, 1e-9), (True, MOST_PAIRS, 3e-8)],
+)
+def test_rows_and_self_contacts_give_the_dense_step(
+    n: int, mu: float, hard: bool, most_pairs: int, exact: float
+) -> None:
+    """Also where actuators bind (HARD rows), and, with self-contacts, where a limit leaves less to move in."""
     rng = np.random.default_rng(n)
+    kinds = (END, INNER, SOFT, HARD, IDLE) if hard else (END, INNER, SOFT, IDLE)
     for q in configurations(n, n, 10):
         columns = columns_of(q)
-        rows = random_rows(rng, n, 4, (END, INNER, SOFT, IDLE))
-        root, mean = rng.normal(size=(n, 9)), 0.3 * rng.normal(size=(n, 3))
-        expected = dense_step(columns, root, mean, rows, mu)
-        scale = 1.0 + np.abs(expected).max()
-        np.testing.assert_allclose(sweep(columns, root, mean, rows, mu, False), expected, atol=1e-10 * scale)
-        np.testing.assert_allclose(sweep(columns, root, mean, rows, mu, True), expected, atol=1e-10 * scale)
-
-
-@pytest.mark.parametrize("n", SIZES)
-def test_hard_rows_on_sums_give_the_dense_step(n: int) -> None:
-    rng = np.random.default_rng(100 + n)
-    for q in configurations(50 + n, n, 10):
-        columns = columns_of(q)
-        rows: Any = random_rows(rng, n, 2, (END, INNER, HARD, HARD, IDLE))
+        rows: Any = random_rows(rng, n, 2 if hard else 4, kinds)
         rows.twist[rows.kind == HARD] = 0.0
-        root, mean = rng.normal(size=(n, 9)), 0.3 * rng.normal(size=(n, 3))
-        step = sweep(columns, root, mean, rows, 1e-2, True)
-        expected = dense_step(columns, root, mean, rows, 1e-2)
+        root, mean = rng.normal(size=(n, 3, 3)), 0.3 * rng.normal(size=(n, 3))
+        bound = rng.random(n) < 0.4 * (most_pairs > 0)
+        root[bound, :, rng.integers(3)] = 0.0
+        pairs = rng.normal(size=(rng.integers(min(1, most_pairs), most_pairs + 1), 1 + 3 * n))
+        expected = dense_step(columns, root.reshape(n, 9), mean, rows, mu, pairs)
         scale = 1.0 + np.abs(expected).max()
-        np.testing.assert_allclose(step, expected, atol=1e-9 * scale)
-        hard = rows.kind == HARD
-        seen = jacobian(columns, rows)[hard] @ step.ravel()
-        if np.linalg.matrix_rank(jacobian(columns, rows)[hard]) == hard.sum():
-            np.testing.assert_allclose(seen, rows.value[hard], atol=1e-6 * scale)
+        for coupled in (True,) if hard else (False, True):
+            step = coupled_step(columns, root.reshape(n, 9).copy(), mean, rows, pairs, mu, coupled)
+            np.testing.assert_allclose(step, expected, atol=exact * scale)
+        seen = jacobian(columns, rows)[rows.kind == HARD]
+        if most_pairs == 0 and np.linalg.matrix_rank(seen) == len(seen):
+            np.testing.assert_allclose(seen @ step.ravel(), rows.value[rows.kind == HARD], atol=1e-6 * scale)

@@ -14,7 +14,7 @@ from sinuous.kernels.certificate.sweep import LEAST_SEEN, PROVED_BOUND, WHEN
 from sinuous.measures.obstacles import measure
 from sinuous.solver.certificates.steps import Prover
 from tests.helpers import Floats, random_rotation, refused
-from tests.kernels.certificate.motions import Case, random_case, shape
+from tests.kernels.certificate.motions import random_case, sampled_bodies, shape
 from tests.scene.shapes import cube
 
 TIMES, PLACES = 41, 16
@@ -62,8 +62,7 @@ def moving_case(seed: int) -> Moved:
         obstacles.append(sn.Moving(room, [0, 1], rng.normal(size=(2, 3)), rng.normal(size=(2, 4))))
     begin = float(rng.uniform(0.0, 0.4))
     times = np.array([begin, begin + float(rng.choice([0.02, 0.2, 0.6]))])
-    still = Case(case.robot, case.scene, case.q0, case.q1) if rng.random() < 0.8 else case._replace(q1=case.q0)
-    knots = np.stack([still.q0, still.q1])
+    knots = np.stack([case.q0, case.q1 if rng.random() < 0.8 else case.q0])
     return Moved(case.robot, sn.Scene([case.scene, *obstacles]), knots, times)
 
 
@@ -74,10 +73,7 @@ def clearances_at(case: Moved, shares: Floats) -> Floats:
     """
     part = shares[:, None, None]
     q = (1.0 - part) * case.knots[0] + part * case.knots[1]
-    places = case.robot.backbone(q, PLACES)
-    thick = np.append(np.repeat(np.array(case.robot.radii), PLACES), case.robot.radii[-1])
-    along = np.cumsum(np.repeat(q[:, :, 2] / PLACES, PLACES, axis=1), axis=1)
-    free = np.pad(along, ((0, 0), (1, 0))) >= case.robot.mount
+    places, thick, free = sampled_bodies(case.robot, q, PLACES)
     when = (1.0 - shares) * case.times[0] + shares * case.times[1]
     least = np.full(free.shape, math.inf)
     for one in case.scene.obstacles:

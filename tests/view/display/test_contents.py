@@ -25,7 +25,7 @@ from sinuous.view.pictures.paint import normals_of
 from tests.helpers import Floats, with_each
 from tests.scene.shapes import cube
 
-pytest.importorskip("matplotlib").use("agg")
+pytest.importorskip("matplotlib")
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), radius=0.05)
 BALL = sn.Moving(sn.Sphere((0, 0, 0), 0.2), [0, 2, 4], [(1, 1, 1), (1, -1, 1), (1, 1, 1)])
@@ -110,7 +110,6 @@ def test_arcs_have_the_colour_of_their_segment_and_a_robot_has_one_pair_of_colou
 
 
 def test_a_motion_is_of_the_loaded_body_with_its_ghosts(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib").use("agg")
     motion = sn.Motion(HANGING, [Q, Q + np.array([0.1, 0.0, 0.0])], [NEAR_BALL])
     contents = gather([motion])
     moving = contents.moving

@@ -12,14 +12,9 @@ import sinuous as sn
 from sinuous.view.display.contents import gather
 from sinuous.view.display.style import Viewpoint
 from sinuous.view.pictures.plot import draw_frames
-from tests.view.pictures.arms import BALL, PATH, ROBOT
+from tests.view.pictures.arms import ROBOT
 
 pytest.importorskip("matplotlib")
-
-
-@pytest.fixture(scope="module")
-def track() -> sn.Motion:
-    return sn.track(ROBOT, PATH, BALL)
 
 
 def test_a_gif_of_a_motion(track: sn.Motion, tmp_path: Path) -> None:

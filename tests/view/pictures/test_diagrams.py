@@ -14,16 +14,6 @@ from tests.view.pictures.arms import BALL, PATH, ROBOT
 matplotlib = pytest.importorskip("matplotlib")
 
 
-@pytest.fixture(autouse=True)
-def agg() -> None:
-    matplotlib.use("agg")
-
-
-@pytest.fixture(scope="module")
-def track() -> sn.Motion:
-    return sn.track(ROBOT, PATH, BALL)
-
-
 def test_every_kind_is_of_something(track: sn.Motion) -> None:
     from matplotlib import pyplot
 

@@ -26,8 +26,7 @@ ROWS = {
 
 
 @pytest.fixture(scope="module")
-def nouns() -> list[object]:
-    track = sn.track(ROBOT, PATH, BALL)
+def nouns(track: sn.Motion) -> list[object]:
     many = sn.Solver(ROBOT, BALL).solve_many(PATH)
     timed = track.timed(sn.Rates(bend=1.0, length=1.0))
     return [ROBOT.changed(name="arm"), sn.Scene(BALL), track.solutions[0], track, many, timed]

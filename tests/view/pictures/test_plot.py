@@ -15,11 +15,6 @@ from tests.view.pictures.arms import PATH, ROBOT, SCENE, TARGETS
 matplotlib = pytest.importorskip("matplotlib")
 
 
-@pytest.fixture(autouse=True)
-def agg() -> None:
-    matplotlib.use("agg")
-
-
 def pixels(axes: Any) -> Floats:
     axes.figure.canvas.draw()
     return np.asarray(axes.figure.canvas.buffer_rgba())[..., :3] / 255.0

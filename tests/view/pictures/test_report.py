@@ -8,14 +8,9 @@ import pytest
 import sinuous as sn
 from sinuous.view.pictures.reports import write_picture
 from tests.helpers import refused
-from tests.view.pictures.arms import BALL, PATH, ROBOT, share_of
+from tests.view.pictures.arms import ROBOT, share_of
 
 matplotlib = pytest.importorskip("matplotlib")
-
-
-@pytest.fixture(scope="module")
-def track() -> sn.Motion:
-    return sn.track(ROBOT, PATH, BALL)
 
 
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])

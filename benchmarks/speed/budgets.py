@@ -91,7 +91,7 @@ def _run(solver: sn.Solver, target: Any, rng: Generator, name: str) -> Kept:
 
 def _perhaps_torn(robot: sn.Robot, target: sn.Target, rng: Generator) -> sn.Target | list[sn.Target]:
     """Ask in half of the cases for a place of the last segment but one too, too far away: nobody proves that."""
-    if rng.random() < 0.5:
+    if rng.random() < 0.5 or len(robot) == 1:
         return target
     assert target.position is not None
     away = rng.normal(size=3)

@@ -217,8 +217,8 @@ def run(
     }
     protocol = (
         f"{robot}, at most {count} problems of each scenario of {folder.name}; CPU time of one call of sn.plan, the "
-        f"middle one of {RUNS}, each in a scene of its own; valid as the judges find it; the length of a path counts a change "
-        f"of a bend by the length of what it moves. {PUBLISHED}"
+        f"middle one of {RUNS}, each in a scene of its own; valid as the judges find it; the length of a path counts a "
+        f"change of a bend by the length of what it moves. {PUBLISHED}"
     )
     name = "mbm" if robot == "continuum" else f"mbm_{robot}"
     raise typer.Exit(conduct(Experiment(name, plan, parts, protocol, total_of), out, record))

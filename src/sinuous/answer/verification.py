@@ -154,7 +154,7 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     itself = nearest_meeting(body, arcs, ends)
     demanded = np.subtract(body.needed_radii, body.radii)
     spare = clearance - float(demanded[0])
-    if np.ptp(demanded) > 0.0:
+    if np.ptp(demanded) > 0.0:  # the place with the least clearance need not be the one that lacks most
         spare = least_clearance(body, scene, arcs, ends, beyond=True).distance
     slack = ROUNDING * robot.mean_length
     at_rest = asked.shape is None or imbalance(robot, q, asked.shape.states) <= AT_REST * robot.mean_length

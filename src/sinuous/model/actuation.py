@@ -29,8 +29,8 @@ from sinuous.model.segment import Segment, segment_names
 
 Kind = Literal["tendon", "chamber", "stage", "linear"]
 
-STEP = 1e-6
-"""Of a difference of stretches, rad or length."""
+STRETCH_STEP = 1e-6
+"""Step of the difference that stands for the derivative of the stretch of elastic actuators: rad, or length unit."""
 
 TOGETHER = 256
 """Vectors that are multiplied at once. NumPy hands more of them to several threads, which wait for each other longer
@@ -189,12 +189,12 @@ class Actuation(Frozen):
     def speeds(self, dq: Floats, q: Floats | None = None) -> Floats:
         """How fast the values of the motors change (..., m) when configurations do so (..., n, 3).
 
-        Elastic ones also by their stretch where it is said at which configurations `q` (..., n, 3).
+        The stretch of elastic actuators counts where their configurations `q` (..., n, 3) are given.
         """
         result = self.motors.speeds(self.displacements(dq))
         if self.elastic is None or q is None:
             return result
-        step = STEP / np.maximum(np.abs(dq).max(axis=(-2, -1), keepdims=True), STEP)
+        step = STRETCH_STEP / np.maximum(np.abs(dq).max(axis=(-2, -1), keepdims=True), STRETCH_STEP)
         change = self.stretch(q + step * dq) - self.stretch(q - step * dq)
         return result + self.motors.speeds(change / (2.0 * step[..., 0]))
 

@@ -452,12 +452,12 @@ class _Junction(NamedTuple):
     j: int
 
 
-_Begun = tuple[Floats, Floats]
-"""The pose (12,) in which a chain begins, and the chain (n, 3)."""
+_Placed = tuple[Floats, Floats]
+"""The pose (12,) in which a chain begins, and its configuration (n, 3)."""
 
 
-def _turned_about(pose: Floats, pivot: Floats, place: Floats, goal: Floats) -> Floats:
-    """Pose (12,) turned about a pivot as little as brings a place that is fixed to it into line with a goal (3,)."""
+def _turn_about(pose: Floats, pivot: Floats, place: Floats, goal: Floats) -> Floats:
+    """Turn a pose (12,) about a pivot by the least angle that brings a place fixed to it into line with a goal (3,)."""
     away, ahead = place - pivot, goal - pivot
     lengths = np.linalg.norm(away), np.linalg.norm(ahead)
     if min(lengths) == 0.0:
@@ -524,14 +524,14 @@ class JoinedChains:
 
         Up to as many as a beam is wide are tried: that takes a quarter of what the beams themselves take.
         """
-        for _, chain in self._meeting(width):
+        for _, chain in self._meeting_chains(width):
             yield chain
 
-    def _meeting(self, width: int) -> Iterator[_Begun]:
+    def _meeting_chains(self, width: int) -> Iterator[_Placed]:
         """Yield the same, first those that are led past an intermediate target; all where there is none of these."""
         if self._other is None:
             return
-        passing = self._past_targets(width) if len(self._legs) > 1 else iter(())
+        passing = self._chains_past_targets(width) if len(self._legs) > 1 else iter(())
         first = next(passing, None)
         if first is not None:
             yield first
@@ -541,31 +541,31 @@ class JoinedChains:
         ahead, behind = self._ahead(width, most=most), self._behind(self._other, width, most=most)
         yield from self._joined(ahead, behind, width, loose=True)
 
-    def _past_targets(self, width: int) -> Iterator[_Begun]:
+    def _chains_past_targets(self, width: int) -> Iterator[_Placed]:
         """Yield chains (n, 3) of which a part is solved up to an intermediate target: that with fewer segments."""
         if len(self._bases) > 1 or 2 * (segments_of(self._groups)[-2] + 1) <= self._n:
-            yield from self._past_first_target(width, None)
+            yield from self._chains_past_first_target(width, None)
             return
         assert self._other is not None
         turned = JoinedChains(self._other, self._legs[::-1, ::-1].copy(), self._deadline, self._terminal_poses)
         tip = self._groups[3][np.isin(self._groups[3][:, t.TARGET_SEGMENT], (-1.0, self._n - 1.0))][0]
         place = tip[t.TARGET_POSITION : t.TARGET_POSITION + 3]
-        for begin, chain in turned._past_first_target(width, place if tip[t.ORIENTATION] == t.FREE else None):
+        for begin, chain in turned._chains_past_first_target(width, place if tip[t.ORIENTATION] == t.FREE else None):
             yield self._bases[0], reverse_chain(self._groups, problem_from_pose(self._other, begin), chain)
 
-    def _past_first_target(self, width: int, pivot: Floats | None) -> Iterator[_Begun]:
+    def _chains_past_first_target(self, width: int, pivot: Floats | None) -> Iterator[_Placed]:
         """Yield chains (n, 3) whose first part is solved, up to the first target; beams grow on from there.
 
         Where chains may begin turned about a `pivot` (3,), each is turned to face that target: few do by themselves.
         """
         before = problem_up_to(self._groups, segments_of(self._groups)[0] + 1)
         grown = GrownChains(before, self._legs[:1], self._bases, width, self._deadline())
-        heads, ends = list[_Begun](), list[Floats]()
+        heads, ends = list[_Placed](), list[Floats]()
         for i in range(grown.complete_count):
             chain, begin = grown.complete_chain(i)
             if pivot is not None:
                 end = end_pose(problem_from_pose(before, begin), chain)[POSE_POSITION:]
-                begin = _turned_about(begin, pivot, end, self._legs[0, -1])
+                begin = _turn_about(begin, pivot, end, self._legs[0, -1])
             own = problem_from_pose(before, begin)
             head = solve_part(own, chain[None], 0, self._deadline)
             if head is not None:
@@ -575,7 +575,7 @@ class JoinedChains:
             return
         rest = problem_beyond(problem_from_pose(self._groups, heads[0][0]), heads[0][1])
         beyond = JoinedChains(rest, self._legs[1:], self._deadline, np.stack(ends))
-        for end, tail in beyond._meeting(width):
+        for end, tail in beyond._meeting_chains(width):
             begin, head = heads[int((beyond._bases == end).all(axis=1).argmax())]
             yield begin, np.concatenate([head, tail])
 
@@ -601,7 +601,7 @@ class JoinedChains:
         best_first = (chain for _, chain in sorted(wholes, key=lambda whole: whole[0]))
         yield from settle_chains(self._groups, best_first, self._deadline)
 
-    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, loose: bool = False) -> Iterator[_Begun]:
+    def _joined(self, ahead: GrownChains, behind: GrownChains, most: int, loose: bool = False) -> Iterator[_Placed]:
         """Yield chains (n, 3) that meet both ends, of parts from either end; `loose`: that nearly do."""
         assert self._other is not None
         each = MEETINGS_OF_A_LENGTH if loose else MOST_JUNCTIONS

@@ -1,6 +1,7 @@
 """Ticks of a control loop under load: the loaded tip moves as asked, within limits and rates, and is proved clear."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.statics import imbalance
 from sinuous.model.rates import Changes
+from sinuous.solver import loaded_control_step
 from sinuous.statics.rest import Rest, Way
 from tests.helpers import refused, states_of
 from tests.solver.test_loaded_solve import Q, arm
@@ -221,3 +223,17 @@ def test_what_is_reached_within_changes_keeps_tensions() -> None:
     assert max(float(np.nanmax(way.rest(share).pulls)) for share in (0.25, 0.5, 0.75, 1.0)) <= most * (1.0 + 1e-6)
     assert np.abs(found.q - q).max() > 0.01
     assert sn.Motion(robot, [q, found.q]).solved
+
+
+@pytest.mark.parametrize("seconds", [1e-9, 1e-4, PATIENCE])
+@pytest.mark.parametrize("asked", [{"twist": [0.05, -0.02, 0.03]}, {"target": sn.Target(direction=(0, 0, 1))}])
+def test_a_step_reads_nothing_of_its_workspace_that_it_did_not_write(asked: dict[str, Any], seconds: float) -> None:
+    """One whose time was over before its first derivatives took the motion of the tip from what was left there."""
+    ball = sn.Sphere(arm().shape(Q).tip[:3, 3] + np.array([0.03, 0.0, 0.0]), 0.015)
+    numbers, found = 1_000_000, []
+    for left in (0.0, np.nan, 1e300):
+        loaded_control_step._SCRATCH.space = np.full(numbers, left)
+        step = sn.Solver(strong(20.0), [ball], time=seconds).step(Q, dt=DT, **asked)
+        assert len(loaded_control_step._SCRATCH.space) == numbers, "another workspace was used"
+        found.append((step.status, step.proved, step.q.tolist(), step.twist.tolist(), step.clearance))
+    assert found[0] == found[1] == found[2]

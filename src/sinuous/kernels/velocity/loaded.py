@@ -145,7 +145,7 @@ def _carve(
     seen, rest = cut(rest, r, 3 * n)
     system, rest = cut(rest, r, r)
     scratch, rest = cut(rest, r, r + 1)
-    columns[:], pulls[:] = 0.0, 0.0
+    columns[:], pulls[:], tip[:] = 0.0, 0.0, 0.0
     body = RestingBody(
         arcs,
         of_arcs,

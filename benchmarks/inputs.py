@@ -64,11 +64,15 @@ class Written(NamedTuple):
 
 
 class Dialect(NamedTuple):
-    """A text of columns, as some program might write it; rows (k,) whose own columns say nan; and if it is whole."""
+    """A text of columns, as some program might write it; rows (k,) whose own columns say nan; if it is whole.
+
+    And what its other columns are called.
+    """
 
     content: bytes
     lost: Any
     whole: bool
+    beside: list[str]
 
 
 OTHERS = ["id", "r", "g", "b", "nx", "intensity", "frame"]
@@ -103,7 +107,7 @@ def dialect(rng: Generator, columns: dict[str, Any], others: int, titled: bool, 
     text = str(rng.choice(["\n", "\r\n"])).join(lines) + "\n"
     if rng.random() < 0.1:
         text, whole = text[: int(rng.integers(1, len(text)))], False
-    return Dialect(text.encode("utf-16" if gaps and rng.random() < 0.05 else "utf-8"), lost, whole)
+    return Dialect(text.encode("utf-16" if gaps and rng.random() < 0.05 else "utf-8"), lost, whole, beside)
 
 
 MOTORS = ["s1.1", "s1.2", "s1.3"]
@@ -125,7 +129,8 @@ def tabled(
     options = _dropped() if gaps else {}
     if gaps and not axes:
         options["columns"] = list(names) if titled else [1, 2, 3]
-    return Written(f"rows.{ending}", own.content, np.delete(points, own.lost, axis=0), options, own.whole, reader)
+    whole = own.whole and not (reader is _read_batch and "nx" in own.beside)  # a third of a direction: it is refused
+    return Written(f"rows.{ending}", own.content, np.delete(points, own.lost, axis=0), options, whole, reader)
 
 
 def _read_path(file: Path, **_: Any) -> tuple[Floats, bool]:

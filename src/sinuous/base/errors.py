@@ -135,12 +135,17 @@ LIKE = 0.6
 """How alike a name must be to be suggested, 1 for equal ones."""
 
 
+def is_meant(name: str, known: Iterable[str]) -> bool:
+    """Whether a name that is not known is often guessed for one that is."""
+    return name in MEANT and not {*known}.isdisjoint(re.findall(r"\w+", MEANT[name]))
+
+
 def guessed(name: Any, known: Iterable[str]) -> str | None:
     """What is meant by a name that is not known: `did you mean 'length'?`; `None` where no other is likely."""
     import difflib  # noqa: PLC0415
 
     word, names = str(name), tuple(known)
-    if word in MEANT and not {*names}.isdisjoint(re.findall(r"\w+", MEANT[word])):
+    if is_meant(word, names):
         return f"{GUESS}{MEANT[word]}?"
     begun = [each for each in names if len(word) > 2 and each.startswith(word)]
     nearest = begun if len(begun) == 1 else difflib.get_close_matches(word, names, 1, LIKE)

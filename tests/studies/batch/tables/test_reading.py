@@ -67,6 +67,9 @@ def test_other_columns_are_not_read_which_is_said_and_order_does_not_matter(tmp_
         source = open_source(table)
     with closing(source):
         np.testing.assert_array_equal(source.read(0, 2)["positions"], [[1, 2, 3], [4, 5, 6]])
+    table.write_text("x,y,z,r,g,b,unit\n1,2,3,9,9,9,1\n", encoding="utf-8")  # r is no radius among columns
+    with pytest.warns(sn.SuspiciousInput, match=r"^targets: columns that are not read: r, g, b, unit; known are x, "):
+        open_source(table).close()
     np.savez(tmp_path / "in.npz", positions=ROWS[:, :3], direction=ROWS[:, :3])
     with pytest.warns(sn.SuspiciousInput, match=r"^targets: arrays that are not read: direction; known are positions"):
         open_source(tmp_path / "in.npz").close()

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from sinuous.base import checks
 from sinuous.base.checks import Floats, few, readable
-from sinuous.base.errors import MEANT, InputError, refuse_unknown, suggested, warn_of
+from sinuous.base.errors import InputError, is_meant, refuse_unknown, suggested, warn_of
 from sinuous.base.text_tables import SAMPLED, axis_of, begins_with_count, filled_lines, tell_format
 from sinuous.model.poses import any_rotations
 from sinuous.problem.target import KEYS
@@ -225,10 +225,10 @@ def _groups_of(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
 
 def _tell_unread(noun: str, names: Iterable[str], known: Sequence[str]) -> None:
     """Warn of what a table holds besides; names that mean others than they are, are refused."""
-    unread = [name for name in names if name not in known]
+    unread, words = [name for name in names if name not in known], {*known, *(each.removesuffix("s") for each in known)}
     for name in unread:
-        if name in MEANT:
-            raise InputError(f"{noun}s", f"unknown {noun} {name!r}", name, suggested(name, known))
+        if is_meant(name, words):
+            raise InputError(f"{noun}s", f"unknown {noun} {name!r}", name, suggested(name, words))
     if unread:
         warn_of([f"targets: {noun}s that are not read: {few(unread)}; known are {', '.join(known)}"])
 

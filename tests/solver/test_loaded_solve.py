@@ -9,6 +9,7 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
+from tests.helpers import with_each
 
 ROD = sn.Stiffness(bend=0.01, twist=0.008)
 GRAVITY = (0.0, 0.0, -9.81)
@@ -147,6 +148,17 @@ def test_tensions_under_load_are_within_their_limits() -> None:
     assert held.verify().ok
     assert held.tensions is not None
     assert 0.9**2 * most < max(held.tensions.values()) <= 0.9 * most * (1.0 + 1e-9)
+
+
+@with_each("share", [0.99, 0.95])
+def test_a_drive_that_meets_the_target_beyond_a_limit_is_no_solution(share: float) -> None:
+    """The first drive is as near to the target as it must be, and needs more tension than there may be."""
+    shape = pulled(np.inf).shape(Q)
+    robot = pulled(share * float(shape.tensions.max()))
+    assert robot.excess(Q) > 0.0
+    found = sn.solve(robot, sn.Target(shape.tip[:3, 3]), initial=Q, time=20.0, max_starts=3)
+    assert found.solved
+    assert found.verify().ok
 
 
 def test_where_no_body_is_at_rest_that_is_said() -> None:

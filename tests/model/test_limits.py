@@ -1,14 +1,45 @@
-"""A body that must not run through itself bends no more tightly than it is thick."""
+"""Every limit of shapes is told by all that verbs ask; and how the thickness of the body limits its curvature."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.answer.verification import verify_steps
 from sinuous.kernels.tables import MAX_CURVATURE
 from sinuous.model.robot import robot_group
 from tests.helpers import refused_each
+from tests.motion.test_table_of_limits import LIMITS, START
+
+OUTSIDE: dict[str, tuple[Any, tuple[str, int | str]]] = {
+    "joint": (([0.5, -0.04], START), ("bend", "roll")),
+    "length": ([[0.1, 0.05, 0.13], START[1]], ("length", 1)),
+    "bend": ([START[0], [0.05, -0.7, 0.1]], ("bend", 2)),
+    "curvature": ([[0.45, 0.45, 0.1], START[1]], ("curvature", 1)),
+    "actuator": ([[-0.45, 0.0, 0.1], [-0.45, 0.0, 0.1]], ("actuator", 2)),
+    "tension": ([[-1.4, 0.0, 0.1], START[1]], ("actuator", 1)),
+    "plane": ([[0.0, 0.3, 0.1], [0.0, 0.0, 0.1]], ("bend", 1)),
+    "locked": ([START[0], [0.05, 0.1, 0.1]], ("bend", 2)),
+}
+"""A shape that violates one limit alone, and what that is called."""
+
+OF_MOTIONS = {"rate", "acceleration"}
+
+
+@pytest.mark.parametrize("limit", [each for each in LIMITS if each not in OF_MOTIONS])
+def test_a_shape_outside_of_one_limit_is_told_by_all_that_verbs_ask(limit: str) -> None:
+    robot = LIMITS[limit]("elastic" if limit == "tension" else "free")
+    shape, called = OUTSIDE[limit]
+    outside = robot.configuration("q", shape)
+    within = robot.clamp(outside)
+    for q, kept in ((within, True), (outside, False)):
+        assert {(kind, where) for kind, where, _ in robot.violations(q)} == (set() if kept else {called})
+        assert (robot.excess(q) <= 1e-11) == kept
+        assert sn.check(robot, q, targets=sn.Target(robot.tip(q))).ok == kept  # so does `verify()` of a solution
+        steps = verify_steps(robot, np.stack([within, q]), sn.Scene([]).snapshot(), np.arange(2.0))  # and of a motion
+        assert [each.ok for each in steps] == [kept]
 
 
 def test_the_radius_limits_the_curvature() -> None:

@@ -1,9 +1,10 @@
 """Every verb keeps every kind of limit, or refuses in one line: a table of verbs, limits and robots.
 
 A new verb is a row of `VERBS`, a new limit one of `LIMITS`. What verbs answer is judged by code that none of them uses.
+What is refused today is written in `refuses`, so that a limit that nothing answers does not pass. All rows compile for
+minutes of CPU where nothing is compiled; begin with `-k "LIMIT and free"`.
 """
 
-import inspect
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -70,10 +71,9 @@ LIMITS: dict[str, Callable[[str], sn.Robot]] = {
     "tension": lambda kind: segments(kind, tension=(0.0, 30.0)),
     "rate": segments,
     "acceleration": segments,
+    "plane": lambda kind: segments(kind, plane=0.5, max_bend=(-0.4, 0.7)),
+    "locked": stuck,
 }
-if "plane" in inspect.signature(sn.Segment).parameters:
-    LIMITS["plane"] = lambda kind: segments(kind, plane=0.5, max_bend=(-0.4, 0.7))
-    LIMITS["locked"] = stuck
 
 
 class Went(NamedTuple):
@@ -106,23 +106,16 @@ def place(asked: Asked) -> sn.Target:
     return sn.Target(tip_at(asked.robot, asked.goal))
 
 
-def no_rates(asked: Asked) -> None:
-    if asked.rates is not None:
-        raise sn.InputError("rates", "unknown", asked.rates, "nothing: this has no time")
-
-
 def _accelerates(asked: Asked) -> bool:
     return asked.rates is not None and asked.rates.further(asked.robot) is not None
 
 
 def solve(asked: Asked) -> Went:
-    no_rates(asked)
     found = sn.solve(asked.robot, place(asked), initial=asked.start, time=1.0)
     return Went(found.configuration[None] if found.solved else asked.start[None], np.zeros(1), found.solved)
 
 
 def solve_many(asked: Asked) -> Went:
-    no_rates(asked)
     found = sn.Solver(asked.robot, time=1.0).solve_many([place(asked)] * 2, initial=asked.start)
     return Went(found.configuration[found.solved], np.zeros(int(found.solved.sum())), False)
 
@@ -161,20 +154,21 @@ def shorten(asked: Asked) -> Went:
 
 
 def lead(asked: Asked) -> Went:
-    no_rates(asked)
     robot = sn.on_stage(asked.robot, 0.2)
-    curve = robot.backbone(np.concatenate([[[0.0, 0.0, 0.2]], asked.goal]))
-    found = sn.follow_the_leader(robot, curve[20:], time=0.5, tip_deviation=2e-3)
-    return Went(found.q[:, 1:], found.times, found.solved)
+    stage = len(asked.robot) - len(asked.robot.segments)
+    curve = robot.backbone(np.insert(asked.goal, stage, [0.0, 0.0, 0.2], axis=0))
+    found = sn.follow_the_leader(robot, curve[20 * (stage + 1) :], time=0.5, tip_deviation=2e-3)
+    return Went(np.delete(found.configuration, stage, axis=1), found.times, found.solved)
 
 
 def from_elsewhere(asked: Asked) -> Went:
-    no_rates(asked)
-    return went(sn.Motion(asked.robot, [asked.start, FAR, asked.goal]))
+    beyond = asked.robot.clamp(2.0 * asked.goal - asked.start)
+    return went(sn.Motion(asked.robot, [asked.start, beyond, asked.goal]))
 
 
 def timed(asked: Asked) -> Went:
-    motion = sn.Motion(asked.robot, [asked.start, 0.5 * (asked.start + asked.goal) * [1.0, 0.9, 1.0], asked.goal])
+    middle = asked.robot.clamp(0.5 * (asked.start + asked.goal) * [1.0, 0.9, 1.0])
+    motion = sn.Motion(asked.robot, [asked.start, middle, asked.goal])
     if asked.rates is None:
         return went(motion.timed(ACCELERATIONS).resampled(20.0))
     trajectory = motion.timed(asked.rates, 0.0)
@@ -196,11 +190,24 @@ VERBS: dict[str, Callable[[Asked], Went]] = {
 }
 
 
-def asked_of(kind: str, limit: str) -> Asked:
+WITHOUT_TIME = ("solve", "solve_many", "follow_the_leader", "Motion")
+"""Verbs that know no rates."""
+
+REFUSED = (("within", "acceleration", "any"), ("any", "tension", "free"))
+"""What is refused today: accelerations of a change, and tensions of tendons that are not elastic."""
+
+
+def refuses(verb: str, limit: str, kind: str) -> bool:
+    return any({verb, limit, kind, "any"} >= set(row) for row in REFUSED)
+
+
+def asked_of(verb: str, limit: str, kind: str) -> Asked:
     robot = LIMITS[limit](kind)
     start, far = (START, FAR) if not robot.joints else map(robot.with_joints, (START, FAR), JOINTS)
     start, far = robot.clamp(start), robot.clamp(far)
     rates = {"rate": RATES, "acceleration": ACCELERATIONS, "joint": RATES}.get(limit)
+    if verb in WITHOUT_TIME or (verb, limit) == ("within", "joint"):
+        rates = None
     return Asked(robot, start, start + (0.4 if kind == "loaded" else 0.97) * (far - start), rates)
 
 
@@ -271,13 +278,15 @@ def speeds(asked: Asked, way: Went) -> Iterator[tuple[str, float]]:
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_verb_keeps_every_limit_or_refuses_in_a_line(verb: str, limit: str, kind: str) -> None:
     try:
-        asked = asked_of(kind, limit)
+        asked = asked_of(verb, limit, kind)
         way = VERBS[verb](asked)
     except sn.InputError as error:
         refusal = str(error)
     else:
+        assert not refuses(verb, limit, kind)
         _judge(asked, way)
         return
+    assert refuses(verb, limit, kind), refusal
     assert "\n" not in refusal
 
 
@@ -289,13 +298,19 @@ def _judge(asked: Asked, way: Went) -> None:
             assert excess <= (WISHED if name == "acceleration" else 1e-6), name
 
 
-def test_most_of_the_table_is_kept_and_not_refused() -> None:
-    """A table of refusals would say nothing."""
-    for verb in ("solve", "step", "plan", "track", "timed"):
-        for limit in ("length", "bend", "actuator"):
-            asked = asked_of("free", limit)
-            way = VERBS[verb](asked)
-            assert len(way.q) > (0 if verb == "solve" else 1), (verb, limit)
-            assert way.claimed, (verb, limit)
-    for verb, kind in (("plan", "elastic"), ("track", "elastic"), ("plan", "loaded"), ("step", "loaded")):
-        assert VERBS[verb](asked_of(kind, "tension")).claimed, (verb, kind)
+@pytest.mark.parametrize("limit", LIMITS)
+@pytest.mark.parametrize("verb", ["solve", "step", "plan", "track", "timed"])
+def test_a_verb_that_does_not_refuse_a_limit_finds_what_it_claims(verb: str, limit: str) -> None:
+    """A table of ways that end where they begin would say nothing."""
+    kind = "elastic" if limit == "tension" else "free"
+    if refuses(verb, limit, kind):
+        return
+    asked = asked_of(verb, limit, kind)
+    way = VERBS[verb](asked)
+    assert len(way.q) > (0 if verb == "solve" else 1)
+    assert way.claimed or (verb == "timed" and asked.rates is not None)
+
+
+@pytest.mark.parametrize("verb", ["plan", "step"])
+def test_ways_under_load_are_found_within_tensions(verb: str) -> None:
+    assert VERBS[verb](asked_of(verb, "tension", "loaded")).claimed

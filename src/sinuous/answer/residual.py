@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.base.checks import Floats
-from sinuous.model.limits import Limit, least_distance
+from sinuous.model.limits import OF_ONE_SEGMENT, Limit, least_distance
 from sinuous.model.robot import Robot
 from sinuous.problem.problem import Problem, ask_body
 from sinuous.problem.target import Target
@@ -190,12 +190,12 @@ def _bounded_step(rows: Floats, residual: Floats, damping: float, normals: Float
 
 
 def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) -> Floats:
-    """Bring the end of a step within the limits: lengths and bends one by one, the rest by shortening the step."""
+    """Bring the end of a step within the limits: those of one segment one by one, the rest by shortening the step."""
     q = robot.drive.coordinates.project(after)
     share = 1.0
-    lines = [limit for limit in limits if limit.constraint == "actuator"]
-    now = robot.limit_set.sides(q) if lines else ()
-    for limit, was in zip((each for each in now if each.constraint == "actuator"), lines, strict=True):
+    coupled = [limit for limit in limits if limit.constraint not in OF_ONE_SEGMENT]
+    now = robot.limit_set.sides(q) if coupled else ()
+    for limit, was in zip((each for each in now if each.constraint not in OF_ONE_SEGMENT), coupled, strict=True):
         if limit.slack < 0.0 < was.slack - limit.slack:
             share = min(share, max(0.0, was.slack) / (was.slack - limit.slack))
     return before + share * (q - before)

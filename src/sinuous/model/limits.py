@@ -2,8 +2,11 @@
 
 Lengths, bends, curvature, actuators and tensions are limits of shapes, convex but for tensions where lengths change.
 Changes that are allowed in one time are limits, too, where a configuration has used them up. The thickness of the body
-is a limit of curvature where it must not run through itself. Plain NumPy: no table of the kernels is read. A new limit
-is an entry of `_amounts` (by how much shapes are outside) and of `sides` (what is left, and which motion it forbids).
+is a limit of curvature where it must not run through itself. Plain NumPy: no table of the kernels is read.
+
+A new limit is a word of `LimitKind`, an entry of `_amounts` (by how much shapes are outside) and of `sides` (what is
+left, and which motion it forbids), and a unit in `unit_of`. What it is made of comes from the robot with `LimitSet`.
+Where the straight robot can violate it, `homes` has to know it.
 
 The shape nearest to another one within linear bounds is found by least distance programming (Lawson & Hanson 1974).
 """
@@ -63,6 +66,9 @@ def nonnegative_least_squares(system: Floats, wanted: Floats) -> Floats:
         result = lsq_linear(system, wanted, bounds=(0.0, np.inf)).x
     return result
 
+
+OF_ONE_SEGMENT: frozenset[str] = frozenset({"length", "bend", "curvature"})
+"""Kinds of limits that each segment keeps by itself; all others couple segments."""
 
 LIMIT_ROUNDING = 1e-11
 """By how much rounding may exceed a limit: rad, or mean lengths of the robot."""
@@ -179,7 +185,7 @@ class LimitSet:
 
         A tolerance is a multiple of it. So a tolerance means the same in every unit of length.
         """
-        return 1.0 if limit in ("bend", "curvature") else self.mean_length
+        return {"bend": 1.0, "curvature": 1.0, "length": self.mean_length, "actuator": self.mean_length}[limit]
 
     def excess(self, q: Floats) -> float:
         """By how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them."""
@@ -187,16 +193,13 @@ class LimitSet:
 
     def violations(self, q: Floats, slack: float = LIMIT_ROUNDING) -> list[Violation]:
         """List what a configuration (n, 3) violates by more than a `slack`, segment by segment, actuators last."""
-        if self._keeps_segments(q) and not len(self._drive):  # most are, and that is soon seen
+        if self._uncoupled and self._keeps_segments(q):  # most are, and that is soon seen
             return []
-        found = [
-            (name, int(number), float(amount))
-            for name, numbers, amounts in self._amounts(q)
-            if amounts.size > 0 and amounts.max() > slack * self.unit_of(name)
-            for number, amount in zip(numbers, amounts, strict=True)
-            if amount > slack * self.unit_of(name)
-        ]
-        return sorted(found, key=lambda each: (each[0] == "actuator", each[1]))
+        found: list[Violation] = []
+        for name, numbers, amounts in self._amounts(q):
+            beyond = np.flatnonzero(amounts > slack * self.unit_of(name))
+            found += [(name, int(numbers[i]), float(amounts[i])) for i in beyond]
+        return sorted(found, key=lambda each: (each[0] not in OF_ONE_SEGMENT, each[1]))
 
     def tension_violations(self, tensions: Floats) -> list[Violation]:
         """List the limits that tensions (m,) of all actuators violate, each by a stretch; NaN is no tension."""
@@ -283,8 +286,13 @@ class LimitSet:
                     if np.isfinite(end) and sign * values[i] > end - slack:
                         yield sign * slopes[i], float(sign * slopes[i] @ q.ravel() + end - sign * values[i])
 
+    @cached_property
+    def _uncoupled(self) -> bool:
+        """Whether the robot has only limits that `_keeps_segments` knows."""
+        return {kind for kind, *_ in self._amounts(np.zeros((len(self._segments), 3)))} <= OF_ONE_SEGMENT
+
     def _keeps_segments(self, q: Floats) -> bool:
-        """Whether a configuration (n, 3) is within the limits of all segments, and exactly in the planes of some."""
+        """Whether a configuration (n, 3) is within limits `OF_ONE_SEGMENT`, and exactly in the planes of some."""
         for k, line in self._planar:
             x, y = q[k, 0] - line.rest[0], q[k, 1] - line.rest[1]
             z = x * line.plane[0] + y * line.plane[1]

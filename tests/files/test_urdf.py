@@ -5,10 +5,12 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
+import pytest
 
 import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.files.joint_chain import JointChain
+from tests.model.test_limits import OF_SHAPES, outside_of
 
 SEGMENTS = [
     sn.Segment((0, 80), max_bend=0, radius=4, name="stage"),
@@ -83,3 +85,20 @@ def test_an_arm_without_a_radius_collides_with_nothing(tmp_path: Path) -> None:
     assert root.findall(".//collision") == []
     assert len(root.findall(".//visual")) > 0
     mujoco.MjModel.from_xml_path(str(tmp_path / "thin.urdf"))
+
+
+@pytest.mark.parametrize("limit", OF_SHAPES)
+def test_a_limit_that_joints_do_not_keep_is_named_in_the_file(limit: str, tmp_path: Path) -> None:
+    robot, outside, (kind, _) = outside_of(limit)
+    urdf, mjcf = tmp_path / "arm.urdf", tmp_path / "arm.xml"
+    chain, driven = robot.to_urdf(urdf), robot.to_mjcf(mjcf)
+    stopped = beyond(chain.values(outside), [joint.limits for joint in chain.joints])
+    held = stopped or beyond(driven.controls(outside), [drive.limits for drive in driven.drives])
+    for file, kept in ((urdf, stopped), (mjcf, held)):
+        (comment,) = [line for line in file.read_text().splitlines() if "<!--" in line]
+        assert kept or ("tension" if limit == "tension" else kind) in comment
+
+
+def beyond(values: Floats, limits: list[tuple[float, float]]) -> bool:
+    low, high = np.transpose(limits)
+    return bool(((values < low - 1e-9) | (values > high + 1e-9)).any())

@@ -8,6 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.answer.verification import verify_steps
+from sinuous.base.checks import Floats
 from sinuous.kernels.tables import MAX_CURVATURE
 from sinuous.model.robot import robot_group
 from tests.helpers import refused_each
@@ -25,14 +26,19 @@ OUTSIDE: dict[str, tuple[Any, tuple[str, int | str]]] = {
 }
 """A shape that violates one limit alone, and what that is called."""
 
-OF_MOTIONS = {"rate", "acceleration"}
+OF_SHAPES = [limit for limit in LIMITS if limit not in ("rate", "acceleration")]
 
 
-@pytest.mark.parametrize("limit", [each for each in LIMITS if each not in OF_MOTIONS])
-def test_a_shape_outside_of_one_limit_is_told_by_all_that_verbs_ask(limit: str) -> None:
+def outside_of(limit: str) -> tuple[sn.Robot, Floats, tuple[str, int | str]]:
+    """A robot, a shape that violates its limit alone, and what that is called."""
     robot = LIMITS[limit]("elastic" if limit == "tension" else "free")
     shape, called = OUTSIDE[limit]
-    outside = robot.configuration("q", shape)
+    return robot, robot.configuration("q", shape), called
+
+
+@pytest.mark.parametrize("limit", OF_SHAPES)
+def test_a_shape_outside_of_one_limit_is_told_by_all_that_verbs_ask(limit: str) -> None:
+    robot, outside, called = outside_of(limit)
     within = robot.clamp(outside)
     for q, kept in ((within, True), (outside, False)):
         assert {(kind, where) for kind, where, _ in robot.violations(q)} == (set() if kept else {called})

@@ -17,12 +17,12 @@ that collide.
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
-from xml.etree.ElementTree import Element, SubElement
+from xml.etree.ElementTree import Comment, Element, SubElement
 
 import numpy as np
 
@@ -331,6 +331,7 @@ def robot_element(chain: JointChain) -> Element:
     root = Element("robot", name=robot.name or "robot")
     compiler = SubElement(SubElement(root, "mujoco"), "compiler")  # an extension of URDF that other readers pass over
     compiler.attrib.update(fusestatic="false", discardvisual="false", strippath="false")
+    note_limits(root, robot, {"length"})
     thin = THIN * robot.mean_length
     SubElement(root, "link", name="world")
     _fixed(root, "world", "base", robot.base)
@@ -345,6 +346,17 @@ def robot_element(chain: JointChain) -> Element:
         _link(root, name, Link(), thin)
         parent = name
     return root
+
+
+def note_limits(root: Element, robot: "Robot", kept: Set[str]) -> None:
+    """Say in a file which kinds of limits of the robot it does not keep, but for those `kept`."""
+    tensions = {"tension"} if np.isfinite(robot.limit_set.tensions).any() else set()
+    left = sorted((robot.limit_set.kinds | tensions) - kept)
+    root.append(
+        Comment(
+            f" Joints are limited one by one. That does not keep limits of {', '.join(left)}: see robot.violations "
+        )
+    )
 
 
 def _link(root: Element, name: str, link: Link, thin: float) -> None:

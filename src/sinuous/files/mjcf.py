@@ -25,7 +25,7 @@ from sinuous.base.checks import Floats
 from sinuous.base.documents import write_xml
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
-from sinuous.files.joint_chain import THIN, ChainJoint, JointChain, Link, text, texts
+from sinuous.files.joint_chain import THIN, ChainJoint, JointChain, Link, note_limits, text, texts
 from sinuous.kernels.packing import BendLine
 from sinuous.model.poses import pose
 from sinuous.model.segment import coordinate_names
@@ -231,6 +231,7 @@ def model_element(driven: DrivenChain) -> Element:
     root = Element("mujoco", model=robot.name or "robot")
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(root, "option", gravity="0 0 0", timestep=text(STEP), integrator="implicitfast")
+    note_limits(root, robot, {"length", "actuator"})
     own = SubElement(SubElement(root, "default"), "default", {"class": "arm"})
     SubElement(own, "geom", contype="1", conaffinity="0", rgba="0.85 0.55 0.3 1")
     _bodies(SubElement(root, "worldbody"), driven)

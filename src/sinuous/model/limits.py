@@ -167,6 +167,12 @@ class LimitSet:
         self._largest = np.array(curvatures)[self._curved]
 
     @cached_property
+    def kinds(self) -> set[LimitKind]:
+        """Kinds of limits that the robot has."""
+        shape = np.pad(self._low[:, None], ((0, 0), (2, 0)))
+        return {kind for kind, _, amounts in self._amounts(shape) if np.isfinite(amounts).any()}
+
+    @cached_property
     def tension_rows(self) -> TensionRows | None:
         """What limits of tension ask of shapes without load; `None` where tensions within them hold any shape."""
         elastic = self._drive.elastic
@@ -193,7 +199,7 @@ class LimitSet:
 
     def violations(self, q: Floats, slack: float = LIMIT_ROUNDING) -> list[Violation]:
         """List what a configuration (n, 3) violates by more than a `slack`, segment by segment, actuators last."""
-        if self._uncoupled and self._keeps_segments(q):  # most are, and that is soon seen
+        if self.kinds <= OF_ONE_SEGMENT and self._keeps_segments(q):  # most are, and that is soon seen
             return []
         found: list[Violation] = []
         for name, numbers, amounts in self._amounts(q):
@@ -285,11 +291,6 @@ class LimitSet:
                 for sign, end in ((1.0, most - inset), (-1.0, -least - inset)):
                     if np.isfinite(end) and sign * values[i] > end - slack:
                         yield sign * slopes[i], float(sign * slopes[i] @ q.ravel() + end - sign * values[i])
-
-    @cached_property
-    def _uncoupled(self) -> bool:
-        """Whether the robot has only limits that `_keeps_segments` knows."""
-        return {kind for kind, *_ in self._amounts(np.zeros((len(self._segments), 3)))} <= OF_ONE_SEGMENT
 
     def _keeps_segments(self, q: Floats) -> bool:
         """Whether a configuration (n, 3) is within limits `OF_ONE_SEGMENT`, and exactly in the planes of some."""

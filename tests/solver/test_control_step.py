@@ -8,7 +8,8 @@ import pytest
 from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
 
 import sinuous as sn
-from sinuous.answer.step import Active
+from sinuous.answer.step import CONSTRAINTS, Active
+from sinuous.kernels.velocity import layout
 from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING
 from sinuous.kernels.velocity.bounds import RATE_INSET
 from tests.helpers import Floats, with_each
@@ -329,3 +330,7 @@ def test_what_is_reached_within_changes_never_jumps(seed: int) -> None:
     assert (np.diff(ends) < 0.0).all()
     assert found.solved
     assert found.verify().ok
+
+
+def test_words_of_constraints_are_those_of_the_kernels() -> None:
+    assert [getattr(layout, f"{word.upper()}_LIMIT") for word in CONSTRAINTS] == list(range(len(CONSTRAINTS)))

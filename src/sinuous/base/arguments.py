@@ -129,7 +129,7 @@ StepConstraint = Literal[
     "actuator_rate",
     "acceleration",
 ]
-"""What may hold a step of a control loop back, in the order of `sinuous.kernels.velocity.layout`."""
+"""What may hold a step of a control loop back: kinds of `sinuous.kernels.velocity.layout`, which a test holds equal."""
 
 StepStatus = Literal["reached", "held_back", "cut_short", "touching"]
 """How such a step ended."""

@@ -41,6 +41,9 @@ ROUNDS = 30
 TIGHTENED, TIGHTER = 6, 1.5
 """How often bounds of tensions are made tighter where a step has left them, and by how many times as much."""
 
+RATES = a.LENGTH_RATE_LIMIT, a.BEND_RATE_LIMIT, a.ACTUATOR_RATE_LIMIT
+"""Kinds of constraints that end a solve within changes with `RATE_BOUND`."""
+
 SIZES = 3, 6
 """Numbers of a velocity, and of a twist."""
 
@@ -172,7 +175,7 @@ class ControlLoop:
             code = SOLVED if answer[t.PROVED] else UNPROVED
         elif answer[t.ROUNDS] == 0:
             code = LATE
-        elif answer[t.PROVED] and bool(((kinds >= a.LENGTH_RATE_LIMIT) & (kinds < a.ACCELERATION_LIMIT)).any()):
+        elif answer[t.PROVED] and np.isin(kinds, RATES).any():
             code = RATE_BOUND
         rounds, merit = int(answer[t.ROUNDS]), float(answer[t.MERIT])
         return Outcome(q, code, rounds, 1, GIVEN, off, turn, clearance, own, len(kinds) > 0, merit, 0.0)

@@ -35,7 +35,7 @@ class RateLimits:
         See `BEND_CHANGE` and its neighbours in `sinuous.kernels.velocity.layout`.
     actuators : ndarray (p, 3 n + 5)
         Of those that have a limit or a rate, then rows of tensions: derivatives of their displacements, then see
-        `LEAST` and its neighbours there.
+        `LOWEST` and its neighbours there.
     limited : tuple of Actuator
         These; then those whose tensions have limits, one for each of the last rows.
     tensions : TensionRows or None

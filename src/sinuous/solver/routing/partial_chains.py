@@ -325,7 +325,7 @@ def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> 
 
 
 def _scaled(settings: Floats, segments: Floats) -> Floats:
-    """Settings for a robot of these segments (m, 7)."""
+    """Settings for a robot of these rows of segments (m, SEGMENT_WIDTH)."""
     told = settings.copy()
     told[t.UNIT] = segments[:, [t.MIN_LENGTH, t.MAX_LENGTH]].mean(axis=1).sum()
     return told

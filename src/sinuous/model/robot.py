@@ -198,7 +198,8 @@ class Robot(NotebookMixin, Frozen):
     linear : Actuators or None
         What was given as `actuators`.
     limits, actuation : ndarray (n, 35), (p, 7)
-        Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
+        Rows of segments (limits, scales, radii, links) and limits of actuators, as `sinuous.kernels.tables` lays them
+        out, read-only.
 
     Raises
     ------

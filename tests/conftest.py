@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import signal
 import sys
+from collections import Counter
 from collections.abc import Generator, Iterator
 from contextlib import nullcontext
 from pathlib import Path
@@ -102,6 +103,24 @@ def proofs_of_steps_have_time() -> None:
             function.__defaults__ = tuple(
                 PROOF_SECONDS if each == steps.SECONDS else each for each in function.__defaults__
             )
+
+
+@pytest.fixture(autouse=True)
+def entries_have_one_form() -> Iterator[None]:
+    """Refuse a second form of an entry, for numbers or arrays of another kind: who asks for it waits for a compiler."""
+    before = forms_of_entries()
+    yield
+    new = forms_of_entries() - before
+    assert not any(new[name] and count > 1 for name, count in forms_of_entries().items()), new
+
+
+def forms_of_entries() -> Counter[str]:
+    """How many forms of each entry of the package there are in this process."""
+    if "sinuous.kernels.compile.tiers" not in sys.modules:
+        return Counter()
+    tiers = sys.modules["sinuous.kernels.compile.tiers"]
+    own = [each for each in tiers.ENTRIES.values() if each.__module__.startswith("sinuous.")]
+    return Counter(tiers.name_of(each, form) for each in own for form in each.signatures)
 
 
 PROOF_SECONDS = 2.0

@@ -2,7 +2,7 @@
 
 A process of its own: `python -m tests.kernels.both_ways`. It prints the entries that were called, with how many calls
 were compared and the largest difference, then what differs by more; and which forms of entries were compiled ahead, and
-which only for what users did afterwards. With names of steps of `sinuous warm` it takes these alone.
+which only for these problems. With names of steps of `sinuous warm` it takes these alone.
 """
 
 import inspect
@@ -181,50 +181,8 @@ def problems() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "a plan", lambda: sn.plan(robot, *ends, ball)
     yield "decimation", lambda: sn.Mesh(*ball_of_triangles(2)).decimated(0.2)
     yield "distances", lambda: (sn.Scene(many).distance(corners), sn.Scene(many).gradient(corners))
-    for family, number in (("door in mesh", 0),):
-        place = make(family, number)
-        yield family, partial(sn.solve, place.robot, place.targets, place.scene, tolerance=place.tolerance, time=60)
-
-
-def use_all() -> None:
-    """Do what users do."""
-    import pickle
-
-    import sinuous as sn
-    from benchmarks.places import make
-
-    robot = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, tendons=sn.Tendons(3, 0.05, displacement=(-1, 1)))
-    cloud = sn.PointCloud(np.array([[2.0, 2.0, 2.0], [2.0, 2.0, 2.1]]), 0.05)
-    scene = sn.Scene([sn.Sphere((0.5, 0, 1.5), 0.2), cloud])
-    target = sn.Target((1, 0, 2), direction=(1, 0, 0.5))
-    near = sn.Solver(robot, scene, prefer=sn.Preferences(start=1.0))
-    solver = sn.Solver(robot, scene)
-    solution = solver.solve(target)
-    solver.solve([target, sn.Target((0.5, 0.5, 1.0), segment=2)], initial=solution, time=1)
-    solver.solve_many([target, target], initial=[solution, solution.q])
-    apart = [sn.Target((0.5, 0, 1.8), segment=2), sn.Target((0.5, 0, 0.2))]
-    for given in (None, solution, [solution.q] * 2):
-        assert not solver.solve_many([apart, apart], given, time=0.2).solved.any()
-    solver.solve_many(positions=[[1, 0, 2]] * 2, directions=[[1, 0, 0.5]] * 2, initial=[solution] * 2)
-    solver.solve_all(target, count=2)
-    keeping = sn.Solver(robot, scene, memory=sn.Memory(robot))
-    keeping.solve(target), keeping.solve(target), keeping.solve_many([target, target])
-    near.solve(target, initial=solution)
-    near.solve_many([target])
-    scene.update(np.array([[2.0, 2.0, 2.2]]))
-    sn.track(robot, sn.Target.each(np.array([[1, 0, 2], [1, 0.1, 2]])), scene)
-    sn.plan(robot, solution, sn.Target((1, 0.1, 2)), scene), sn.plan(robot, solution, [[0, 0, 1.0]] * 3)
-    sn.solve(robot, sn.Target((9, 0, 0)), [sn.Box((0, 0, 5), (1, 1, 1), inside=True)])
-    again = pickle.loads(pickle.dumps(solver))
-    again.solve(pickle.loads(pickle.dumps(target)))
-    for q in (solution.q, solution.q.tolist(), np.array([solution.q, solution.q]), np.asfortranarray(solution.q)):
-        robot.forward(q), robot.backbone(q), robot.jacobian(q), robot.jacobian(q, 1), robot.tip(q)
-    solution.verify(), solution.worst, solution.binding, solution.explain(0.2)
-    sn.solve(robot, sn.Target((9, 0, 0)), scene, time=0.1).explain(0.2)
-    scene.distance([[0, 0, 0]]), scene.gradient(np.zeros(3))
-    for family, number in (("cells pipe", 49), ("pipe between", 17), ("door in mesh", 0), ("open pipe 1.3", 1)):
-        place = make(family, number)
-        assert sn.solve(place.robot, place.targets, place.scene, tolerance=place.tolerance, time=60).solved
+    door = make("door in mesh", 0)
+    yield "a door", partial(sn.solve, door.robot, door.targets, door.scene, tolerance=door.tolerance, time=60)
 
 
 def main() -> None:
@@ -233,7 +191,7 @@ def main() -> None:
     from sinuous.cli.warm import steps
     from sinuous.scene import sampling
 
-    failed, sampled = [], {name: getattr(sampling, name) for name in ("LEAST", "MOST", "CELLS", "PAD")}
+    failed: list[str] = []
     sampling.THREADS = 1  # threads write into one array, and each call is compared by itself
     sampling.LEAST = sampling.MOST = 2**10  # more say the same, and take most of the time
     sampling.CELLS, sampling.PAD = 100, 1
@@ -255,10 +213,6 @@ def main() -> None:
     if not chosen:
         for name, use in problems():
             run(name, use)
-        Both.most = 0
-        for name, value in sampled.items():
-            setattr(sampling, name, value)
-        run("what users do", use_all)
     late = {one.name: str(one.signatures) for one in made if len(one.signatures) > forms[one.name]}
     forms_seen = {"ahead": ahead, "late": late, "closed": closed}
     print(json.dumps({"compared": compared, "largest": largest, "apart": apart, "failed": failed, **forms_seen}))  # noqa: T201

@@ -56,6 +56,7 @@ def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
     for call, shape in calls:
         batch = call(q)
         assert batch.shape == (*lead, *shape)
+        np.testing.assert_array_equal(call(np.asfortranarray(q)), batch)
         for index in np.ndindex(*lead):
             np.testing.assert_allclose(batch[index], call(q[index]), rtol=0, atol=1e-12)
 

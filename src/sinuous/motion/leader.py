@@ -259,7 +259,8 @@ class _Leader:
         if len(failed):
             kept = int(failed[0])
             self.ended = found[kept]
-        return depths[:kept], found.configuration[:kept], clear[:kept], found
+        q = found.configuration[:kept].copy()  # in one piece, and writable: proofs are compiled for such arrays alone
+        return depths[:kept], q, clear[:kept], found
 
     def _off(self) -> Floats:
         """How far the tip is off the curve at `TIP_SAMPLES` places of every step, at most (t - 1,)."""

@@ -261,7 +261,7 @@ class _ExplorationRun:
             shapes.keep(still, self._clear(graph.q[graph.edges]))
             known = Explored(name, seed, 0, [])
         self._memory._explored = known._replace(seed=seed)
-        fresh = starts[shapes.is_new(starts)]
+        fresh = starts[shapes.is_new(starts.copy())]  # what compares shapes is compiled for writable arrays alone
         shapes.add(fresh[self._clear(np.stack([fresh, fresh], axis=1))])
 
     def round(self) -> bool:

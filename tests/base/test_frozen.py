@@ -15,7 +15,7 @@ from sinuous.base.frozen import Frozen
 from sinuous.files.joint_chain import ChainJoint, JointChain, Link
 from sinuous.scene.obstacles import Placement
 from tests.helpers import with_each
-from tests.scene.shapes import cube
+from tests.scene.shapes import EACH_KIND
 
 ROBOT = sn.Robot(
     [
@@ -36,27 +36,12 @@ TABLES = {"Target": ("_table",), "Problem": ("_rows",), "Snapshot": ("_group",)}
 """What kernels read of targets, problems and snapshots; kernels are compiled for writable arrays alone."""
 
 
-def plane(points: Any) -> Any:
-    return points[:, 2] + 2.0
-
-
 def solution() -> sn.Solution:
     return sn.Solver(ROBOT, SCENE).solve(TARGET)
 
 
-OBSTACLES: dict[str, Callable[[], Any]] = {
-    "sphere": lambda: LAMP,
-    "box": lambda: sn.Box((1, 2, 3), (1, 2, 3), rotation=(1, 1, 0, 0), name="box"),
-    "capsule": lambda: sn.Capsule((0, 0, 1), (1, 0, 1), 0.2),
-    "cylinder": lambda: sn.Cylinder((0, 0, 1), (1, 0, 1), 0.2, inside=True),
-    "half_space": lambda: sn.HalfSpace((0, 0, -1), (0, 1, 1)),
-    "mesh": lambda: sn.Mesh(*cube(0.5)),
-    "cloud": lambda: sn.PointCloud([[1.0, 2.0, 3.0], [2.0, 2.0, 3.0]], [0.1, 0.2]),
-    "cubes": lambda: sn.Grid(np.eye(3, dtype=bool)[None].repeat(3, 0), (1, 1, 1), 0.2),
-    "field": lambda: sn.Field(plane, (-1, -1, -3), (1, 1, 1), 0.5),
-}
 NOUNS: dict[str, Callable[[], Any]] = {
-    **OBSTACLES,
+    **EACH_KIND,
     "robot": lambda: ROBOT,
     "segment": lambda: ROBOT.segments[0],
     "tendons": lambda: ROBOT.segments[0].tendons,
@@ -182,12 +167,12 @@ def test_the_last_digit_counts() -> None:
     assert not cloud.equals(sn.Scene())
 
 
-@pytest.mark.parametrize("name", OBSTACLES)
+@pytest.mark.parametrize("name", EACH_KIND)
 def test_unpickled_obstacles_are_as_far(name: str) -> None:
     points = np.random.default_rng(0).uniform(-2.0, 3.0, (50, 3))
-    scene = sn.Scene([OBSTACLES[name]()])
+    scene = sn.Scene([EACH_KIND[name]()])
     expected = scene.distance(points)
-    for again in (pickle.loads(pickle.dumps(scene)), sn.Scene([pickle.loads(pickle.dumps(OBSTACLES[name]()))])):
+    for again in (pickle.loads(pickle.dumps(scene)), sn.Scene([pickle.loads(pickle.dumps(EACH_KIND[name]()))])):
         np.testing.assert_array_equal(again.distance(points), expected)
 
 

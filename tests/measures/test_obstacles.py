@@ -7,19 +7,7 @@ import sinuous as sn
 from sinuous.measures import obstacles
 from sinuous.measures.obstacles import Indices, least_distances, measure, that_matter
 from tests.helpers import Floats
-from tests.scene.shapes import ball, cube, inverted, together
-
-OBSTACLES = [
-    sn.Sphere((0.2, 0.3, 1.0), 0.5),
-    sn.Sphere((0.2, 0.3, 1.0), 3.0, inside=True),
-    sn.Box((0.5, 0, 0.5), (0.4, 0.6, 0.8), (0.9, 0.1, 0.3, 0.2)),
-    sn.Box((0.5, 0, 0.5), (4, 6, 8), (0.9, 0.1, 0.3, 0.2), inside=True),
-    sn.Capsule((0, 0, 1), (1, 0, 2), 0.3),
-    sn.Capsule((0, 0, 1), (0, 0, 1), 0.3),
-    sn.Cylinder((0, 0, 1), (1, 0.5, 2), 0.3),
-    sn.Cylinder((0, 0, -5), (1, 0.5, 5), 4.0, inside=True),
-    sn.HalfSpace((0, 0, -1), (0.1, 0, 1)),
-]
+from tests.scene.shapes import EACH_KIND, ball, cube, inverted, together
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -54,11 +42,9 @@ def test_signs_along_a_curve_that_goes_in_and_out() -> None:
 
 def test_who_is_left_out_matters_to_no_body() -> None:
     rng = np.random.default_rng(0)
-    mesh = sn.Mesh(*cube(1.0, (2.0, 2.0, 2.0)))
-    cloud = sn.PointCloud(rng.uniform(-3, 3, (20, 3)), 0.1)
-    some = [*OBSTACLES, mesh, cloud, *(sn.Sphere(place, 0.1) for place in rng.uniform(-3, 3, (60, 3)))]
-    runs = rng.uniform(-3, 3, (5, 4, 1, 3)) + np.cumsum(0.02 * rng.normal(size=(5, 4, 9, 3)), axis=2)
-    sizes = rng.uniform(0.0, 0.2, (2, 1, 4)) + np.zeros((2, 5, 4))
+    some = [*(make() for make in EACH_KIND.values()), *(sn.Sphere(place, 0.1) for place in rng.uniform(-3, 3, (60, 3)))]
+    runs = rng.uniform(-3, 3, (60, 4, 1, 3)) + np.cumsum(0.1 * rng.normal(size=(60, 4, 9, 3)), axis=2)
+    sizes = rng.uniform(0.0, 0.2, (2, 1, 4)) + np.zeros((2, 60, 4))
     exact = np.array([measure(own, runs.reshape(-1, 3)).reshape(runs.shape[:3]).min(axis=2) for own in some])
     left = np.full_like(exact, np.inf)
     for i, near in that_matter(some, runs, sizes):

@@ -1,7 +1,11 @@
-"""Triangles for tests, made by hand: a cube, a ball, and several bodies as one."""
+"""Triangles for tests, made by hand: a cube, a ball, and several bodies as one; and obstacles of all kinds."""
+
+from collections.abc import Callable
 
 import numpy as np
 
+import sinuous as sn
+from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.triangles import Integers
 from tests.helpers import Floats
 
@@ -63,3 +67,35 @@ def obj(body: Triangles) -> str:
 def soup(body: Triangles) -> Triangles:
     """Triangles that share no vertices, as in an STL file."""
     return body[0][body[1]].reshape(-1, 3), np.arange(body[1].size).reshape(-1, 3)
+
+
+def away(points: Floats) -> Floats:
+    """How far points are from a ball about the origin."""
+    return np.asarray(np.linalg.norm(points, axis=-1)) - 0.5
+
+
+def sampled_ball() -> sn.Grid:
+    places = np.moveaxis(np.indices((7, 7, 7)), 0, -1) * 0.3 - 0.9
+    return sn.Grid(away(np.asarray(places, np.float64)), (-0.9, -0.9, -0.9), 0.3)
+
+
+TURN = (0.9, 0.1, 0.3, 0.2)
+EACH_KIND: dict[str, Callable[[], Obstacle]] = {
+    "sphere": lambda: sn.Sphere((0.2, 0.3, 1.0), 0.5, name="lamp"),
+    "sphere around": lambda: sn.Sphere((0.2, 0.3, 1.0), 3.0, inside=True, name="dome"),
+    "box": lambda: sn.Box((0.5, 0.0, 0.5), (0.4, 0.6, 0.8), TURN, name="crate"),
+    "room": lambda: sn.Box((0.5, 0.0, 0.5), (4, 6, 8), TURN, inside=True),
+    "capsule": lambda: sn.Capsule((0, 0, 1), (1, 0, 2), 0.3),
+    "capsule without length": lambda: sn.Capsule((0, 0, 1), (0, 0, 1), 0.3),
+    "cylinder": lambda: sn.Cylinder((0, 0, 1), (1, 0.5, 2), 0.3),
+    "drum": lambda: sn.Cylinder((0, 0, -5), (1, 0.5, 5), 4.0, inside=True),
+    "half-space": lambda: sn.HalfSpace((0, 0, -1), (0.1, 0.2, 1)),
+    "mesh": lambda: sn.Mesh(*cube(2.0)),
+    "mesh around": lambda: sn.Mesh(*cube(2.0), inside=True, name="hall"),
+    "plates": lambda: sn.Mesh(cube()[0], cube()[1][:3], thickness=0.2),
+    "cloud": lambda: sn.PointCloud(np.random.default_rng(0).normal(size=(50, 3)), np.linspace(0.05, 0.3, 50)),
+    "cells": lambda: sn.Grid(np.random.default_rng(0).random((4, 5, 6)) > 0.8, (0, 0, 0), 0.3),
+    "samples": sampled_ball,
+    "function": lambda: sn.Field(away, (-1, -1, -1), (1, 1, 1), 0.25),
+}
+"""Obstacles of every kind, within a few units of the origin, and rooms around them; each made anew."""

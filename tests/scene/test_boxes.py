@@ -4,29 +4,22 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.scene.obstacles import Obstacle, boxes_of
-from tests.helpers import random_rotation
+from sinuous.scene.obstacles import boxes_of
+from tests.scene.shapes import EACH_KIND
 
-RNG = np.random.default_rng(2)
-OBSTACLES: list[Obstacle] = [
-    sn.Sphere((1, 2, 3), 0.5),
-    sn.Box((1, 0, 0), (1, 2, 3), rotation=random_rotation(RNG)),
-    sn.Capsule((0, 0, 0), (1, 2, 3), 0.4),
-    sn.Mesh(RNG.normal(size=(5, 3)), [[0, 1, 2], [2, 3, 4]], thickness=0.4),
-    sn.PointCloud(RNG.normal(size=(20, 3)), RNG.uniform(0.1, 0.5, 20)),
-    sn.Grid(RNG.random((4, 5, 6)) < 0.1, (1, 1, 1), 0.5),
-]
+SOLIDS = ("sphere", "box", "capsule", "cylinder", "mesh", "plates", "cloud", "cells")
 
 
-@pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda obstacle: obstacle.kind)
-def test_boxes_fit(obstacle: Obstacle) -> None:
+@pytest.mark.parametrize("name", SOLIDS)
+def test_boxes_fit(name: str) -> None:
+    obstacle = EACH_KIND[name]()
     box = obstacle._box
     assert box is not None
     low, high = box
     scene, rng = sn.Scene([obstacle]), np.random.default_rng(1)
     around = rng.uniform(low - 1.0, high + 1.0, (40_000, 3))
     within = scene.distance(around) <= 0.0
-    assert within.any() or obstacle.kind == "mesh"
+    assert within.any()
     assert ((around[within] >= low) & (around[within] <= high)).all()
     for axis in range(3):  # the obstacle comes near each side
         for side in (low, high):
@@ -41,7 +34,7 @@ def test_what_has_no_end_or_nothing_in_it_has_no_box() -> None:
 
 
 def test_boxes_of_many_are_those_of_each() -> None:
-    many = [*OBSTACLES, sn.HalfSpace((0, 0, 0), (0, 0, 1))] * 25
+    many = [make() for make in EACH_KIND.values()] * 25
     found = boxes_of(many)
     assert list(found) == [i for i, own in enumerate(many) if own._box is not None]
     for i, box in found.items():

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
-from tests.helpers import Floats, refused, with_each
-from tests.scene.shapes import cube
+from tests.helpers import refused, with_each
+from tests.scene.shapes import EACH_KIND
 
 RNG = np.random.default_rng(0)
 TIMES = [0.0, 1.0, 3.0]
@@ -17,29 +17,9 @@ POSITIONS, TURNS = RNG.normal(size=(3, 3)), RNG.normal(size=(3, 4))
 POINTS = RNG.normal(size=(150, 3)) * 1.5
 
 
-def away(points: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(points, axis=-1)) - 0.5
-
-
-INDICES: Floats = np.moveaxis(np.indices((7, 7, 7)), 0, -1).astype(np.float64) * 0.3 - 0.9
-OBSTACLES: list[sn.Sphere | sn.Mesh | sn.Field | sn.Grid | sn.PointCloud | sn.Box | sn.Capsule | sn.Cylinder] = [
-    sn.Sphere((0.1, 0.2, 0.3), 0.4),
-    sn.Sphere((0, 0, 0), 3.0, inside=True),
-    sn.Box((0.1, 0, 0), (1, 0.5, 0.3), rotation=(1, 2, 3, 4)),
-    sn.Capsule((0, 0, 0), (1, 0, 0), 0.2),
-    sn.Cylinder((0, 0, 0), (0, 1, 1), 0.3, inside=True),
-    sn.Mesh(*cube()),
-    sn.Mesh(*cube(), inside=True),
-    sn.PointCloud(RNG.normal(size=(300, 3)), 0.05),
-    sn.Grid(RNG.random((4, 5, 6)) > 0.8, (0, 0, 0), 0.3),
-    sn.Grid(away(np.asarray(INDICES.reshape(-1, 3), np.float64)).reshape(7, 7, 7), (-0.9, -0.9, -0.9), 0.3),
-    sn.Field(away, (-1, -1, -1), (1, 1, 1), 0.25),
-]
-
-
-@with_each("obstacle", [*OBSTACLES, sn.HalfSpace((0, 0, -1), (0, 0.2, 1))])
+@with_each("obstacle", [make() for make in EACH_KIND.values()])
 @with_each("when", [-1.0, 0.0, 0.3, 2.2, 9.0])
-def test_distances_at_a_time_are_those_in_the_moved_frame(obstacle: sn.Sphere, when: float) -> None:
+def test_distances_at_a_time_are_those_in_the_moved_frame(obstacle: sn.Sphere | sn.Mesh, when: float) -> None:
     moving = sn.Moving(obstacle, TIMES, POSITIONS, TURNS)
     pose = moving.pose(when)
     own = (POINTS - pose[:3, 3]) @ pose[:3, :3]

@@ -23,7 +23,7 @@ from sinuous.view.page.model import PageModel
 from sinuous.view.page.status import find_nearest, judge_shape
 from sinuous.view.pictures.paint import normals_of
 from tests.helpers import Floats, with_each
-from tests.scene.shapes import cube
+from tests.scene.shapes import EACH_KIND
 
 pytest.importorskip("matplotlib")
 
@@ -214,24 +214,11 @@ def test_clouds_are_thinned(count: int) -> None:
     assert (found[0] == points[0]).all()
 
 
-TURNED = sn.pose(rotation=(1, 2, 3, 4))[:3, :3]
-OBSTACLES = [
-    sn.Sphere((1, 2, 3), 2),
-    sn.Box((1, 2, 3), (1, 2, 3), TURNED),
-    sn.Capsule((1, 2, 3), (2, 2, 5), 1),
-    sn.Capsule((1, 2, 3), (1, 2, 3), 1),
-    sn.Cylinder((1, 2, 3), (2, 2, 5), 1),
-    sn.HalfSpace((0, 0, 1), (0, 1, 1)),
-    sn.Box((1, 2, 3), (1, 2, 3), TURNED, True),
-    sn.Sphere((1, 2, 3), 2, True),
-    sn.Cylinder((1, 2, 3), (2, 2, 5), 1, True),
-    sn.Mesh(*cube(2.0)),
-    sn.Mesh(*cube(2.0), inside=True),
-]
+SOLIDS = [make() for name, make in EACH_KIND.items() if name not in ("plates", "cloud", "cells", "samples", "function")]
 
 
 @with_each("pieces", [1, 12])
-@with_each("obstacle", OBSTACLES)
+@with_each("obstacle", SOLIDS)
 def test_vertices_lie_on_the_surface_and_faces_towards_free_space(obstacle: Obstacle, pieces: int) -> None:
     surface = obstacle_surface(obstacle, np.zeros(3), 5.0, pieces=pieces)
     scene = sn.Scene([obstacle])
@@ -241,7 +228,7 @@ def test_vertices_lie_on_the_surface_and_faces_towards_free_space(obstacle: Obst
     assert alike[np.linalg.norm(outward, axis=-1) > 0.5].min() > 0.99
 
 
-@with_each("obstacle", OBSTACLES)
+@with_each("obstacle", SOLIDS)
 def test_triangles_and_faces_have_the_same_area_and_turned_ones_the_other_side(obstacle: Obstacle) -> None:
     surface = obstacle_surface(obstacle, np.zeros(3), 5.0)
     corners = surface.vertices[surface.triangles]

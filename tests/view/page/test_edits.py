@@ -25,25 +25,17 @@ from sinuous.view.page.panel import Fields
 from sinuous.view.page.session import Worker
 from sinuous.view.page.status import find_nearest
 from tests.helpers import Floats, random_pose, refused
+from tests.scene.shapes import EACH_KIND
 
 RNG = np.random.default_rng(0)
-TETRAHEDRON = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-SOLIDS: list[Obstacle] = [
-    sn.Sphere((1, 2, 3), radius=0.5, inside=True, name="ball"),
-    sn.Box((1, 0, 0), (1, 2, 3), rotation=(1, 2, 3, 4), name="crate"),
-    sn.Capsule((0, 0, 0), (1, 2, 0), radius=0.3),
-    sn.Cylinder((0, 1, 0), (0, 0, 2), radius=0.4),
-    sn.HalfSpace((0, 0, -1), (1, 2, 3)),
-    sn.Mesh(*TETRAHEDRON, name="tooth"),
-    sn.PointCloud([[0, 0, 0], [1, 1, 0]], radius=[0.1, 0.2]),
-]
+CARRIED = [make() for name, make in EACH_KIND.items() if name not in ("cells", "samples", "function")]
 
 
 def distance(obstacle: Obstacle, points: Floats) -> Floats:
     return sn.Scene([obstacle]).distance(points)
 
 
-@pytest.mark.parametrize("obstacle", SOLIDS, ids=lambda obstacle: obstacle.kind)
+@pytest.mark.parametrize("obstacle", CARRIED, ids=lambda obstacle: obstacle.kind)
 def test_a_rigid_motion_carries_the_distances_along(obstacle: Obstacle) -> None:
     motion, points = random_pose(RNG, 2.0), RNG.normal(size=(50, 3))
     moved = move_obstacle(obstacle, motion)

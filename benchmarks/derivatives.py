@@ -17,7 +17,8 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
-from benchmarks.places.parts import about_z, beside
+from benchmarks.places import solids
+from benchmarks.places.parts import about_z
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.derivatives.parameters import GROUPS, circles_of
 from sinuous.base.arguments import LoadParameter, Parameter
@@ -175,7 +176,7 @@ def touching(kind: str, rng: Generator, apart: float = 0.0) -> Question:
     turn = least_rotation(normal) @ about_z(rng.uniform(0.0, 2.0 * np.pi))[:3, :3]
     if kind == "edge":
         turn = turn @ Rotation.from_euler("x", rng.uniform(0.6, 0.9)).as_matrix()
-    obstacle = beside("box" if kind == "edge" else kind, here[:3, 3], normal, away, size, turn)
+    obstacle = solids.beside("box" if kind == "edge" else kind, here[:3, 3], normal, away, size, turn)
     return sn.Problem(robot, targets_at(robot, q, rng), [obstacle]), q
 
 

@@ -23,7 +23,7 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan
-from benchmarks.places.parts import CORNERS, FACES
+from benchmarks.places.solids import CORNERS, FACES
 from sinuous.base.checks import Floats
 from sinuous.problem.problem import problem_warnings
 from sinuous.studies.batch.tables.reading import open_source

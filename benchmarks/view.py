@@ -13,7 +13,7 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
-from benchmarks.places.parts import ball, solid
+from benchmarks.places import solids
 from sinuous.base.checks import Floats
 from sinuous.cli.view import TURN
 from sinuous.view.page.page import Page
@@ -28,7 +28,7 @@ def job() -> sn.Job:
     """A robot of 8 segments among spheres, over a mesh."""
     rng = np.random.default_rng(0)
     robot = sn.Robot.uniform(8, length=(45, 70), max_bend=2.4, radius=4)
-    beneath = solid(ball(np.array([0.0, 0.0, -140.0]), 80.0, 159), "ball")  # 50,244 triangles
+    beneath = solids.ball(np.array([0.0, 0.0, -140.0]), 80.0, 159).mesh("ball")  # 50,244 triangles
     scene = [beneath if i == 0 else sn.Sphere(place, 12) for i, place in enumerate(_places(rng, 101))]
     return sn.Job(robot, sn.Target((150, 60, 300)), scene)
 

@@ -26,10 +26,11 @@ from benchmarks.harness import Line, Plan, Trial, counted, in_processes, timed
 from benchmarks.judges.judge import samples, wrong_in
 from benchmarks.judges.kinematics import body_points, segment_ends
 from benchmarks.judges.self_collision import look
+from benchmarks.places import solids
 from benchmarks.places.cells import WALL as WALLS
 from benchmarks.places.cells import Cell, cells_back_to_back, common_wall, in_frame
 from benchmarks.places.families import one_mesh
-from benchmarks.places.parts import WALL, curve_of, draw_shape, longest, open_tube, robot_of, solid
+from benchmarks.places.parts import WALL, curve_of, draw_shape, longest, robot_of
 from benchmarks.places.tubes import RINGS
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
@@ -314,7 +315,7 @@ def pipe(robot: sn.Robot, ways: Ways, rng: Generator) -> list[sn.Mesh] | None:
     inside = float(along.max(initial=0.0)) + (1.0 + rng.uniform(*GAP)) * unit
     if inside > WIDEST * unit:
         return None
-    return [solid(open_tube(axis[::FINE], inside, inside + WALL * unit), "pipe")]
+    return [solids.open_tube(axis[::FINE], inside, inside + WALL * unit).mesh("pipe")]
 
 
 PLANNED = "plans for which a motion is known: planned and proved within 5 s of CPU time, and found clear by the judges"

@@ -11,7 +11,7 @@ stage or without. Every place was judged when it was made: `place.hidden_q` is f
 limits, and at the target. In "p3", "p4 direction" and "p4 pose" the scenes are the same four in turn, and shared:
 places with the same `robot` and `scene` objects can share a `Solver`.
 
-`parts` has robots, hidden shapes and surfaces; `tubes`, `cells` and `media` what stands about a shape. Traps
+`parts` has robots and hidden shapes, `solids` surfaces; `tubes`, `cells` and `media` what stands about a shape. Traps
 are narrow where a search begins or ends: there bodies are slender or thick, tapered, some with a tool or an
 intermediate target that is asked for too.
 """

@@ -7,29 +7,19 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.places.parts import Curve, about_z, box_between, curve_of, draw_shape, outlines_of, plate, solid
+from benchmarks.places import solids
+from benchmarks.places.parts import Curve, about_z, curve_of, draw_shape
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.problems import random_configurations
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 
 
-def walls_around(frame: Floats, low: Floats, high: Floats, wall: float, name: str) -> list[sn.Box]:
-    """Return four walls along the z axis of a frame, outside of the box from `low` (3,) to `high` (3,)."""
-    a, b = low - np.array([wall, wall, 0.0]), high + np.array([wall, wall, 0.0])
-    sides = (
-        ([a[0], a[1], low[2]], [low[0], b[1], high[2]]),
-        ([high[0], a[1], low[2]], [b[0], b[1], high[2]]),
-        ([low[0], a[1], low[2]], [high[0], low[1], high[2]]),
-        ([low[0], high[1], low[2]], [high[0], b[1], high[2]]),
-    )
-    return [box_between(frame, np.array(c), np.array(d), f"{name} {i + 1}") for i, (c, d) in enumerate(sides)]
-
-
 def channel(frame: Floats, half: float, length: float, wall: float, name: str = "wall") -> list[sn.Box]:
     """Return four walls around the z axis of a frame (4, 4), `2 * half` apart, from its origin on."""
-    low, high = np.array([-half, -half, 0.0]), np.array([half, half, length])
-    return walls_around(frame, low, high, wall, name)
+    inner = np.array([[-half, -half], [half, half]])
+    low, high = inner[0] - wall, inner[1] + wall
+    return wall_with_door(frame, np.append(low, 0.0), np.append(high, length), inner, name)
 
 
 def wall_with_door(frame: Floats, low: Floats, high: Floats, door: Floats, name: str) -> list[sn.Box]:
@@ -45,7 +35,7 @@ def wall_with_door(frame: Floats, low: Floats, high: Floats, door: Floats, name:
         ([x, v], [u, high[1]]),
     )
     return [
-        box_between(frame, np.append(a, low[2]), np.append(b, high[2]), f"{name} {i + 1}")
+        solids.box_between(frame, np.append(a, low[2]), np.append(b, high[2]), f"{name} {i + 1}")
         for i, (a, b) in enumerate(pieces)
     ]
 
@@ -93,9 +83,10 @@ class Cell(NamedTuple):
 
     def shell(self, name: str) -> list[sn.Box]:
         """Return all walls but the one with the door."""
-        floor = self.low - np.array([0.0, 0.0, self.wall]), np.append(self.high[:2], self.low[2])
-        around = self.low - np.array([0.0, 0.0, self.wall]), self.high
-        return [*walls_around(self.frame, *around, self.wall, name), box_between(self.frame, *floor, f"{name} back")]
+        low, high = self.low - self.wall, np.append(self.high[:2] + self.wall, self.high[2])
+        around = wall_with_door(self.frame, low, high, np.array([self.low[:2], self.high[:2]]), name)
+        back = np.append(self.low[:2], low[2]), np.append(self.high[:2], self.low[2])
+        return [*around, solids.box_between(self.frame, *back, f"{name} back")]
 
     def front(self, name: str) -> list[sn.Box]:
         """Return the wall with the door."""
@@ -332,8 +323,8 @@ def plates(robot: sn.Robot, rng: Generator) -> Sketch | None:
         half = largest_half(curve, pose, radius)
         if half < PLATE_SMALLEST * radius:
             return None
-        surface = plate(pose, half, PLATE_HOLE * radius, PLATE_THICKNESS * radius)
-        found.append(solid(surface, f"plate {len(found) + 1}"))
+        surface = solids.plate(pose, half, PLATE_HOLE * radius, PLATE_THICKNESS * radius)
+        found.append(surface.mesh(f"plate {len(found) + 1}"))
     return Sketch(robot, found, q)
 
 
@@ -375,7 +366,7 @@ def keyholes(robot: sn.Robot, rng: Generator) -> Sketch | None:
         if half < SMALLEST * radius:
             return None
         thickness, end = radius * rng.uniform(*KEYHOLE_THICKNESS), radius * rng.uniform(*SLOT_END)
-        walls.append(solid(plate(at, half, _keyhole(radius, end), thickness, SIDES), f"wall {len(walls) + 1}"))
+        walls.append(solids.plate(at, half, _keyhole(radius, end), thickness, SIDES).mesh(f"wall {len(walls) + 1}"))
     return sketch_of(robot, walls, q, rng)
 
 
@@ -406,7 +397,7 @@ def nested(robot: sn.Robot, rng: Generator) -> Sketch | None:
 
 def _keyhole(radius: float, end: float) -> Floats:
     """Radii (SIDES,) of a hole whose slot leads along x, in the directions of `outlines_of`."""
-    ahead = outlines_of(SIDES)[0]
+    ahead = solids.outlines_of(SIDES)[0]
     slot = np.minimum(end, SLOT * radius / np.maximum(np.abs(ahead[:, 1]), 1e-9))
     return np.maximum(HOLE * radius, np.where(ahead[:, 0] > 0.0, slot * math.cos(math.pi / SIDES), 0.0))
 

@@ -18,20 +18,8 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.kinematics import link_poses, tip_poses
-from benchmarks.places import cells, media, tubes
-from benchmarks.places.parts import (
-    SLENDER,
-    arc,
-    cuboid,
-    joined,
-    long_robot,
-    plate,
-    robot_of,
-    solid,
-    stout_robot,
-    thin_robot,
-    various_robot,
-)
+from benchmarks.places import cells, media, solids, tubes
+from benchmarks.places.parts import SLENDER, arc, long_robot, robot_of, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import ROOM, Draw, Place, Sketch, Trap, settle, trapped
 from benchmarks.problems import published_configurations, target_at
 from sinuous.base.checks import Floats
@@ -178,7 +166,7 @@ def meshed(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
 def one_mesh(boxes: list[sn.Box], robot: sn.Robot) -> sn.Mesh:
     """Return boxes as one mesh."""
     gap = GAP * min(robot.radii)
-    return solid(joined([cuboid(box.center, box.size - 2.0 * gap, box.rotation) for box in boxes]), "walls")
+    return solids.joined([solids.cuboid(box.center, box.size - 2.0 * gap, box.rotation) for box in boxes]).mesh("walls")
 
 
 COUNTS, MOST_BEND = (2, 3, 5, 8), 2.2
@@ -202,7 +190,7 @@ def deep(robot: sn.Robot, rng: Generator) -> Sketch:
     radius, width = max(robot.radii), rng.uniform(*DEEP_WIDTH)
     q, curve = tubes.tube_shape(robot, width, rng)
     within = tubes.past(robot, q, curve.poses[round(rng.uniform(*DEEP) * (len(curve.poses) - 1)) :], rng)
-    return Sketch(robot, [solid(tubes.around_target(within, width * radius, radius, rng), "tube")], q)
+    return Sketch(robot, [tubes.around_target(within, width * radius, radius, rng).mesh("tube")], q)
 
 
 SLEEVE_BEGINS, SLEEVE_ENDS = (0.0, 0.15), (0.5, 0.95)
@@ -226,10 +214,10 @@ def port(robot: sn.Robot, rng: Generator) -> Sketch | None:
     at = curve.poses[door]
     if cells.in_frame(at, curve.points[begin:])[:, 2].min() < 2.0 * width * radius:
         return None
-    wall = plate(at, 2.0 * float(q[:, 2].sum()), width * radius, radius)
+    wall = solids.plate(at, 2.0 * float(q[:, 2].sum()), width * radius, radius)
     within = tubes.past(robot, q, curve.poses[begin:], rng)
     tube = tubes.around_target(within, width * radius, radius, rng)
-    return Sketch(robot, [solid(wall, "wall"), solid(tube, "tube")], q)
+    return Sketch(robot, [wall.mesh("wall"), tube.mesh("tube")], q)
 
 
 TRAPS: tuple[Trap, ...] = (deep, sleeve, port, cells.door_in, tubes.funnel)

@@ -13,26 +13,8 @@ from numpy.random import Generator
 from scipy.spatial import ConvexHull, cKDTree
 
 import sinuous as sn
-from benchmarks.places.parts import (
-    Curve,
-    Surface,
-    about_z,
-    arc,
-    around,
-    blind_bore,
-    box_between,
-    curve_of,
-    draw_flat_shape,
-    draw_shape,
-    joined,
-    layered,
-    loft,
-    open_tube,
-    outlines_of,
-    plate,
-    solid,
-    tube,
-)
+from benchmarks.places import solids
+from benchmarks.places.parts import Curve, about_z, arc, curve_of, draw_flat_shape, draw_shape
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
@@ -142,8 +124,8 @@ def gyroid(robot: sn.Robot, rng: Generator) -> Sketch:
         thick = np.abs(wave) * period / (2.0 * math.pi * 1.5) - sheet
         return np.asarray(np.maximum.reduce([thick, tunnel - gap, gap - DEEP * radius]))
 
-    surface = around(np.asarray(axis.data), DEEP * radius, CELL * radius, signed)
-    return sketch_of(robot, [solid(surface, "gyroid")], q, rng)
+    surface = solids.around(np.asarray(axis.data), DEEP * radius, CELL * radius, signed)
+    return sketch_of(robot, [surface.mesh("gyroid")], q, rng)
 
 
 def slab(robot: sn.Robot, rng: Generator) -> Sketch | None:
@@ -198,7 +180,7 @@ def _stone(center: Floats, size: float, curve: Curve, radius: float, rng: Genera
     outwards = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) > 0.0
     faces = np.where(outwards[:, None], hull.simplices, hull.simplices[:, ::-1]).astype(np.int64)
     used, numbers = np.unique(faces, return_inverse=True)
-    return solid(Surface(corners[used], numbers.reshape(faces.shape)), "stone")
+    return solids.Surface(corners[used], numbers.reshape(faces.shape)).mesh("stone")
 
 
 CROWD_LEEWAY, AROUND = 1.2, 10.0
@@ -350,7 +332,7 @@ def assembly(robot: sn.Robot, rng: Generator) -> Sketch:
         piece = made[int(rng.integers(len(made)))](size, radius * rng.uniform(*PIECE_LENGTH), rng)
         turn = sn.pose(rotation=rng.normal(size=4))[:3, :3]
         corners = (piece.vertices - piece.vertices.mean(axis=0)) @ turn.T + place
-        mesh = solid(Surface(corners, piece.faces), f"piece {len(kept)}")
+        mesh = solids.Surface(corners, piece.faces).mesh(f"piece {len(kept)}")
         reach = float(np.linalg.norm(corners - place, axis=1).max()) + LEEWAY * radius
         near = curve.points[np.linalg.norm(curve.points - place, axis=1) < reach]
         if not len(near) or float(measure(mesh, near).min()) > LEEWAY * radius:
@@ -358,48 +340,48 @@ def assembly(robot: sn.Robot, rng: Generator) -> Sketch:
         if len(kept) == wanted:
             break
     if kept and rng.random() < 0.5:
-        one = joined([Surface(mesh.vertices, mesh.faces) for mesh in kept])
-        return sketch_of(robot, solid(one, "assembly").bodies(), q, rng)
+        one = solids.joined([solids.Surface(mesh.vertices, mesh.faces) for mesh in kept])
+        return sketch_of(robot, one.mesh("assembly").bodies(), q, rng)
     return sketch_of(robot, kept, q, rng)
 
 
-def bar(size: float, length: float, _: Generator) -> Surface:
+def bar(size: float, length: float, _: Generator) -> solids.Surface:
     """Return a bar with round ends, of some radius and length."""
-    return tube(np.array([np.eye(4), sn.pose((0.0, 0.0, length))]), size, sides=8, caps=2)
+    return solids.tube(np.array([np.eye(4), sn.pose((0.0, 0.0, length))]), size, sides=8, caps=2)
 
 
-def bolt(size: float, length: float, _: Generator) -> Surface:
+def bolt(size: float, length: float, _: Generator) -> solids.Surface:
     """Return a bolt with a head of six sides."""
-    circle, shank = outlines_of(6)[0], 0.5 * length
+    circle, shank = solids.outlines_of(6)[0], 0.5 * length
     outlines = [(size, 0.0), (size, shank), (1.8 * size, shank), (1.8 * size, shank + size)]
     ends = [np.array([0.0, 0.0, height]) for height in (0.0, shank + size)]
-    return layered(np.eye(4), [(radius * circle, height) for radius, height in outlines], ends)
+    return solids.layered(np.eye(4), [(radius * circle, height) for radius, height in outlines], ends)
 
 
-def bracket(size: float, length: float, rng: Generator) -> Surface:
+def bracket(size: float, length: float, rng: Generator) -> solids.Surface:
     """Return an angle of two flanges."""
     wide, flange, thick = 0.3 * length, size * rng.uniform(2.0, 6.0), PIECE_WALL * size
     outline = [(0.0, 0.0), (flange, 0.0), (flange, thick), (thick, thick), (thick, flange), (0.0, flange)]
     outlines = [(np.array(outline), height) for height in (0.0, wide)]
-    return layered(np.eye(4), outlines, [np.array([0.5 * thick, 0.5 * thick, height]) for height in (0.0, wide)])
+    return solids.layered(np.eye(4), outlines, [np.array([0.5 * thick, 0.5 * thick, height]) for height in (0.0, wide)])
 
 
-def pipe(size: float, length: float, rng: Generator) -> Surface:
+def pipe(size: float, length: float, rng: Generator) -> solids.Surface:
     """Return a pipe with a bend, open at both ends."""
     bend = rng.uniform(0.2, 1.5)
-    return open_tube(arc(np.eye(4), np.array([bend, 0.0, length]), 7), size, (1.0 + PIECE_WALL) * size, sides=12)
+    return solids.open_tube(arc(np.eye(4), np.array([bend, 0.0, length]), 7), size, (1.0 + PIECE_WALL) * size, sides=12)
 
 
-def housing(size: float, _: float, rng: Generator) -> Surface:
+def housing(size: float, _: float, rng: Generator) -> solids.Surface:
     """Return a block with a bore."""
     hole = size * rng.uniform(1.0, 4.0)
-    return blind_bore(np.eye(4), hole, 2.0 * hole, 1.4 * hole, 0.4 * hole, sides=16)
+    return solids.blind_bore(np.eye(4), hole, 2.0 * hole, 1.4 * hole, 0.4 * hole, sides=16)
 
 
-def washer(size: float, _: float, rng: Generator) -> Surface:
+def washer(size: float, _: float, rng: Generator) -> solids.Surface:
     """Return a plate with a hole."""
     hole = size * rng.uniform(1.0, 6.0)
-    return plate(np.eye(4), 2.0 * hole, hole, PIECE_WALL * size, sides=16)
+    return solids.plate(np.eye(4), 2.0 * hole, hole, PIECE_WALL * size, sides=16)
 
 
 def _turn(rng: Generator) -> Floats:
@@ -513,15 +495,15 @@ def drum(robot: sn.Robot, rng: Generator) -> Sketch | None:
             _blade(2.0 * math.pi * (j + first) / count, hub, height, width, lift, DRUM_THICKNESS * radius, twist)
             for j in range(count)
         ]
-        placed = joined(blades)
-        surface = Surface(placed.vertices @ frame.T + center, placed.faces)
-        obstacles.append(solid(surface, f"blades {row + 1}"))
+        placed = solids.joined(blades)
+        surface = solids.Surface(placed.vertices @ frame.T + center, placed.faces)
+        obstacles.append(surface.mesh(f"blades {row + 1}"))
     return Sketch(robot, obstacles, q)
 
 
 def _blade(
     angle: float, hub: float, height: float, width: float, lift: float, thickness: float, twist: float
-) -> Surface:
+) -> solids.Surface:
     """One blade about the z axis, with its root a little in the drum."""
     shares = np.linspace(0.0, 1.0, STEPS + 1)
     corners = 0.5 * np.array([[-thickness, -width], [thickness, -width], [thickness, width], [-thickness, width]])
@@ -531,7 +513,7 @@ def _blade(
         ring = np.stack([np.full(4, 0.98 * hub + share * height), turned[:, 0], lift + turned[:, 1]], axis=-1)
         rings.append(ring @ about_z(angle)[:3, :3].T)
     stacked = np.array(rings)
-    return loft(stacked, stacked[[0, -1]].mean(axis=1))
+    return solids.loft(stacked, stacked[[0, -1]].mean(axis=1))
 
 
 OPENING = (3.5, 6.0)
@@ -559,12 +541,12 @@ def shelf(robot: sn.Robot, rng: Generator) -> Sketch:
     high = np.array([*(low[:2] + counts * pitch), low[2] + sizes[2]])
     half = 0.5 * board
     back = np.array([*(low[:2] - half), high[2]]), np.array([*(high[:2] + half), high[2] + board])
-    boards = [box_between(tip, *back, "back")]
+    boards = [solids.box_between(tip, *back, "back")]
     for axis, kind in enumerate(("side", "shelf")):
         for i in range(counts[axis] + 1):
             a, b = low.copy(), high.copy()
             a[1 - axis] -= half
             b[1 - axis] += half
             a[axis], b[axis] = low[axis] + i * pitch[axis] - half, low[axis] + i * pitch[axis] + half
-            boards.append(box_between(tip, a, b, f"{kind} {i + 1}"))
+            boards.append(solids.box_between(tip, a, b, f"{kind} {i + 1}"))
     return Sketch(robot, boards, q)

@@ -8,25 +8,19 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial import cKDTree
 
+from benchmarks.places import solids
 from benchmarks.places.cells import FLIP, SAMPLES, cell_between, channel, in_frame
 from benchmarks.places.parts import (
     WALL,
     Curve,
-    Surface,
     about_z,
     arc,
-    around,
-    blind_bore,
-    box_between,
     curve_of,
     draw_flat_shape,
     draw_shape,
-    hollow,
     keeps_from_itself,
     lengthened,
     offshoots,
-    open_tube,
-    solid,
 )
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
@@ -105,7 +99,7 @@ def tube_shape(robot: Robot, width: float, rng: Generator, straight: range = ran
 
 def walled(poses: Floats, width: float, radius: float, name: str, bottom: bool = False) -> Mesh:
     """Return the wall about frames (m, 4, 4) of an open pipe of this width, in radii of the body."""
-    return solid(open_tube(poses, width * radius, (width + WALL) * radius, bottom), name)
+    return solids.open_tube(poses, width * radius, (width + WALL) * radius, bottom).mesh(name)
 
 
 def backwards(poses: Floats, radius: float, rng: Generator) -> Floats:
@@ -176,7 +170,7 @@ def two_tubes(robot: Robot, rng: Generator) -> Sketch:
     first = walled(backwards(curve.poses[: begin + 1], radius, rng), near, radius, "base tube")
     within = past(robot, q, curve.poses[end:], rng)
     other = around_target(within, far * radius, radius, rng)
-    return sketch_of(robot, [first, solid(other, "target tube")], q, rng)
+    return sketch_of(robot, [first, other.mesh("target tube")], q, rng)
 
 
 def funnel(robot: Robot, rng: Generator) -> Sketch | None:
@@ -187,7 +181,7 @@ def funnel(robot: Robot, rng: Generator) -> Sketch | None:
     poses = past(robot, q, curve.poses[begin:], rng)
     share = np.linspace(0.0, 1.0, len(poses))
     inside = width * radius * (1.0 + (widened - 1.0) * np.clip(1.0 - share / CONE, 0.0, 1.0))
-    return sketch_of(robot, [solid(open_tube(poses, inside, inside + WALL * radius), "funnel")], q, rng)
+    return sketch_of(robot, [solids.open_tube(poses, inside, inside + WALL * radius).mesh("funnel")], q, rng)
 
 
 def past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
@@ -197,11 +191,11 @@ def past(robot: Robot, q: Floats, poses: Floats, rng: Generator) -> Floats:
     return lengthened(poses, ahead + max(robot.radii) * rng.uniform(*PAST))
 
 
-def around_target(poses: Floats, inside: float, radius: float, rng: Generator) -> Surface:
+def around_target(poses: Floats, inside: float, radius: float, rng: Generator) -> solids.Surface:
     """Return the wall about frames (m, 4, 4) that the shape enters by the first one; the last is closed or open."""
     if rng.random() >= BLIND:
-        return open_tube(poses, inside, inside + WALL * radius)
-    return open_tube(poses[::-1] @ FLIP, inside, inside + WALL * radius, bottom=True)
+        return solids.open_tube(poses, inside, inside + WALL * radius)
+    return solids.open_tube(poses[::-1] @ FLIP, inside, inside + WALL * radius, bottom=True)
 
 
 BORE_WIDTH, BLOCK, BOTTOM = (1.3, 1.8), (3.0, 8.0), (1.1, 3.0)
@@ -216,10 +210,10 @@ def bore(square: bool, robot: Robot, rng: Generator) -> Sketch | None:
     tool = in_frame(frame, curve_of(robot, q, SAMPLES).end[None])[0]
     if float(np.linalg.norm(tool[:2])) >= width - 0.2 * radius:  # the tool is in the wall
         return None
-    made: list[Obstacle] = [solid(blind_bore(frame, width, depth, block, radius), "block")]
+    made: list[Obstacle] = [solids.blind_bore(frame, width, depth, block, radius).mesh("block")]
     if square:
         low, high = np.array([-block, -block, depth]), np.array([block, block, depth + radius])
-        made = [*channel(frame, width, depth, block - width), box_between(frame, low, high, "bottom")]
+        made = [*channel(frame, width, depth, block - width), solids.box_between(frame, low, high, "bottom")]
     return sketch_of(robot, made, q, rng)
 
 
@@ -268,10 +262,10 @@ def branches(robot: Robot, rng: Generator) -> Sketch | None:
     hollow = np.concatenate([axes, *open_at])
     outer, inner = np.full(len(axes), (width + WALL) * radius), np.full(len(hollow), width * radius)
     surface = lumen(axes, outer, hollow, inner, BRANCH_CELL * radius)
-    return sketch_of(robot, [solid(surface, "pipe")], q, rng)
+    return sketch_of(robot, [surface.mesh("pipe")], q, rng)
 
 
-def lumen(axes: Floats, outer: Floats, hollow: Floats, inner: Floats, cell: float) -> Surface:
+def lumen(axes: Floats, outer: Floats, hollow: Floats, inner: Floats, cell: float) -> solids.Surface:
     """Return the wall within radii (m,) of points (m, 3) that leaves radii (k,) of points (k, 3) hollow."""
     walls, hollows = cKDTree(axes), cKDTree(hollow)
 
@@ -279,7 +273,7 @@ def lumen(axes: Floats, outer: Floats, hollow: Floats, inner: Floats, cell: floa
         (out, i), (within, j) = walls.query(places), hollows.query(places)
         return np.asarray(np.maximum(out - outer[i], inner[j] - within))
 
-    return around(axes, float(outer.max()), cell, signed)
+    return solids.around(axes, float(outer.max()), cell, signed)
 
 
 def _dead_end(poses: Floats, radius: float, rng: Generator) -> Floats:
@@ -335,7 +329,7 @@ def _walls(poses: Floats, width: float, height: float, sheet: float) -> list[Box
     low, high = local.min(axis=0) - margin, local.max(axis=0) + margin
     for side, name in ((-1.0, "floor"), (1.0, "ceiling")):
         low[1], high[1] = sorted((side * height, side * (height + sheet)))
-        boxes.append(box_between(poses[0], low.copy(), high.copy(), name))
+        boxes.append(solids.box_between(poses[0], low.copy(), high.copy(), name))
     return boxes
 
 
@@ -392,8 +386,8 @@ def stenosis(robot: Robot, rng: Generator) -> Sketch:
     for center in (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count:
         throat = rng.uniform(*THROAT)
         inside = np.minimum(inside, throat + (wide - throat) * (1.0 - np.exp(-(((share - center) * 6.0 * count) ** 2))))
-    wall = open_tube(poses, radius * inside, radius * (inside + WALL))
-    return sketch_of(robot, [solid(wall, "vessel")], q, rng)
+    wall = solids.open_tube(poses, radius * inside, radius * (inside + WALL))
+    return sketch_of(robot, [wall.mesh("vessel")], q, rng)
 
 
 def bronchi(robot: Robot, rng: Generator) -> Sketch | None:
@@ -414,7 +408,7 @@ def bronchi(robot: Robot, rng: Generator) -> Sketch | None:
     mouth = poses[0, :3, 3] - np.linspace(0.0, (begin + 2.0) * radius, 20)[:, None] * poses[0, :3, 2]
     hollow, room = np.concatenate([points, mouth]), np.concatenate([inside, np.full(20, begin * radius)])
     surface = lumen(points, inside + WALL * radius, hollow, room, VESSEL_CELL * radius)
-    return sketch_of(robot, [solid(surface, "tree")], q, rng)
+    return sketch_of(robot, [surface.mesh("tree")], q, rng)
 
 
 def _samples(robot: Robot) -> int:
@@ -447,7 +441,7 @@ def pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
     outside = (width + WALL) * radius
     q = draw_shape(robot, 2.1 * outside, rng)
     poses = lengthened(curve_of(robot, q, RINGS).poses, width * radius)
-    return Sketch(robot, [solid(hollow(poses, width * radius, outside), "pipe")], q)
+    return Sketch(robot, [solids.hollow(poses, width * radius, outside).mesh("pipe")], q)
 
 
 DUCT_INSIDE, DUCT_OUTSIDE = 1.7, 2.6
@@ -479,7 +473,7 @@ def duct(robot: Robot, rng: Generator) -> Sketch | None:
         return None
     axes = np.concatenate([main[:, :3, 3], *ends])
     outer, inner = (np.full(len(axes), size * radius) for size in (DUCT_OUTSIDE, DUCT_INSIDE))
-    return Sketch(robot, [solid(lumen(axes, outer, axes, inner, DUCT_CELL * radius), "duct")], q)
+    return Sketch(robot, [lumen(axes, outer, axes, inner, DUCT_CELL * radius).mesh("duct")], q)
 
 
 def _offshoot(

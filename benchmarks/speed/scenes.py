@@ -16,7 +16,7 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Plan, timed
-from benchmarks.places.parts import Surface, ball, solid
+from benchmarks.places import solids
 from benchmarks.problems import arm, reachable
 from benchmarks.speed.solves import solve_all
 from sinuous.base.checks import Floats
@@ -30,20 +30,20 @@ SIDES = 224
 
 def measure_meshes(plan: Plan) -> Iterator[Line]:
     """Prepare a mesh with and without the samples on disk, and solve beside it."""
-    surface = ball(np.zeros(3), 1.0, plan.count(SIDES, 32))
+    surface = solids.ball(np.zeros(3), 1.0, plan.count(SIDES, 32))
     with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, {"XDG_CACHE_HOME": folder}):
-        sn.Scene([solid(ball(np.zeros(3), 1.0, 18), "ball")]).prepare()  # loads the kernels, or compiles them
-        scene = sn.Scene([solid(surface, "ball")])
+        sn.Scene([solids.ball(np.zeros(3), 1.0, 18).mesh("ball")]).prepare()  # loads the kernels, or compiles them
+        scene = sn.Scene([surface.mesh("ball")])
         what = f"a mesh of {len(surface.faces)} triangles"
         seconds = timed(scene.prepare)[1]
         note = f"{scene.memory / 1e6:.0f} MB"
         yield Line(MESHES, f"{what}, sampled", seconds, "s", Goal(10.0), note=note)
-        seconds = timed(sn.Scene([solid(surface, "ball")]).prepare)[1]
+        seconds = timed(sn.Scene([surface.mesh("ball")]).prepare)[1]
         yield Line(MESHES, f"{what}, samples from disk", seconds, "s", Goal(1.0))
         yield from _beside(plan, surface)
 
 
-def _beside(plan: Plan, surface: Surface) -> Iterator[Line]:
+def _beside(plan: Plan, surface: solids.Surface) -> Iterator[Line]:
     """Solve the same problems without a mesh, and with one out of reach."""
     free = reachable(arm(5, 2.4, radius=4.0), plan.count(500, 20), plan.rng(11))
     unit = free.robot.mean_length

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.random import Generator
 
 import sinuous as sn
-from benchmarks.places.parts import cuboid
+from benchmarks.places import solids
 from benchmarks.problems import random_configurations
 from benchmarks.wild.worlds import Judged, asked, demanding, loaded_robot, pose_rotation, robot_with_shapes
 from sinuous.base.checks import Floats
@@ -85,7 +85,7 @@ def _obstacle(robot: sn.Robot, unit: float, rng: Generator) -> Any:
     place = base + unit * float(rng.choice([0.0, 0.3, 1.0])) * rng.normal(size=3)
     size = unit * 10.0 ** rng.uniform(-3.0, 0.5)
     turn, end = pose_rotation(rng.normal(size=4)), place + size * rng.normal(size=3)
-    surface = cuboid(place, 0.6 * size * rng.uniform(0.1, 1.0, 3), turn)
+    surface = solids.cuboid(place, 0.6 * size * rng.uniform(0.1, 1.0, 3), turn)
     made: list[Callable[[], Any]] = [
         lambda: sn.Sphere(place, size),
         lambda: sn.Box(place, size * rng.choice([1e-6, 0.1, 1.0, 1.0], 3), turn),

@@ -33,7 +33,7 @@ from benchmarks.judges.kinematics import (
     tip_poses,
 )
 from benchmarks.judges.self_collision import Flags, look, surely_clear
-from benchmarks.places.parts import Surface, beside, cuboid, joined
+from benchmarks.places import solids
 from benchmarks.problems import ProblemSet, in_ball, random_configurations, target_at
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
@@ -285,7 +285,7 @@ def _place(points: Floats, radii: Floats, unit: float, rng: Generator) -> tuple[
 def _solid(kind: str, at: Floats, away: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
     """Draw an obstacle that begins `off` from a place."""
     size, turn = unit * rng.uniform(*np.transpose(SOLIDS)), least_rotation(away) @ _turn(rng)
-    return beside(kind, at, away, off, size, turn, rng.uniform(-1.0, 1.0, 3))
+    return solids.beside(kind, at, away, off, size, turn, rng.uniform(-1.0, 1.0, 3))
 
 
 def _turn(rng: Generator) -> Floats:
@@ -314,7 +314,7 @@ def _room(points: Floats, radii: Floats, unit: float, rng: Generator) -> Obstacl
         across = local[:, :2] - (rotation.T @ middle)[:2]
         radius = float((np.linalg.norm(across, axis=1) + radii).max() + room[0])
         return sn.Cylinder(middle - half[2] * rotation[:, 2], middle + half[2] * rotation[:, 2], radius, inside=True)
-    return sn.Mesh(*cuboid(middle, 2.0 * half, rotation), inside=True)
+    return sn.Mesh(*solids.cuboid(middle, 2.0 * half, rotation), inside=True)
 
 
 LIMIT = 1.0
@@ -512,7 +512,7 @@ def bodies(seed: int, number: int) -> World:
         turn = pose_rotation(rng.normal(size=4))
         share = rng.integers(2) + rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-3.0, -0.5)
         other = middle + turn @ (share * size * np.eye(3)[rng.integers(3)])
-        return _solids(joined([cuboid(place, size, turn) for place in (middle, other)]))
+        return _solids(solids.joined([solids.cuboid(place, size, turn) for place in (middle, other)]))
 
     return _about(lambda: robot_with_shapes(SHAPES, rng, (-1.0, 1.0)), rng, two_boxes)
 
@@ -702,7 +702,7 @@ def _huge(at: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
     if kind in ("sphere", "inside"):
         away = in_ball(rng)
         away /= np.linalg.norm(away)
-    return beside(kind, at, away, off, size, turn, rng.uniform(-0.8, 0.8, 3))
+    return solids.beside(kind, at, away, off, size, turn, rng.uniform(-0.8, 0.8, 3))
 
 
 def loaded_robot(unit: float, rng: Generator) -> sn.Robot:
@@ -757,7 +757,7 @@ def _bounding(balls: list[Obstacle], points: Floats, unit: float, rng: Generator
 def _within_wall(rng: Generator) -> World:
     """A thin robot in the solid between the faces of two boxes of one mesh."""
     half, wall, turn = rng.uniform(0.2, 0.5, 3), 10.0 ** rng.uniform(-3.0, -1.0), pose_rotation(rng.normal(size=4))
-    both = joined([cuboid(np.zeros(3), 2.0 * (half + grown), turn) for grown in (0.0, wall)])
+    both = solids.joined([solids.cuboid(np.zeros(3), 2.0 * (half + grown), turn) for grown in (0.0, wall)])
     length, place = 0.2 * float(half.min()), np.append(half[:2] * rng.uniform(-0.5, 0.5, 2), half[2] + 0.5 * wall)
     base = sn.pose(turn @ place, direction=turn[:, 0])
     robot = sn.Robot.uniform(2, (0.8 * length, length), 0.5, radius=0.1 * wall, base=base)
@@ -766,7 +766,7 @@ def _within_wall(rng: Generator) -> World:
     return World(robot, scene, sn.Tolerance(1e-3 * length, 1e-3), asked(robot, q, rng, "position"), q, possible=False)
 
 
-def _solids(surface: Surface) -> list[Any]:
+def _solids(surface: solids.Surface) -> list[Any]:
     """A mesh as it is; where it is refused because its bodies overlap, each of its bodies."""
     mesh = sn.Mesh(surface.vertices, surface.faces)
     try:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from benchmarks.places.parts import hollow, open_tube, solid
+from benchmarks.places.solids import hollow, open_tube
 from sinuous import Box, Cylinder, Robot, Scene, Segment, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes import BRANCH, NO_TUBE, WALL, find_tubes, follow_tube
@@ -48,7 +48,7 @@ def curve(seed: int, samples: int) -> Floats:
 
 def test_a_pipe_that_is_closed_ends_at_a_wall() -> None:
     poses = curve(1, 12)
-    points, ended = followed(Scene([solid(hollow(poses, 1.4 * RADIUS, 2.2 * RADIUS), "pipe")]), poses[0])
+    points, ended = followed(Scene([hollow(poses, 1.4 * RADIUS, 2.2 * RADIUS).mesh("pipe")]), poses[0])
     assert ended == WALL
     assert np.linalg.norm(points[-1] - poses[-1, :3, 3]) <= 2.5 * RADIUS
 
@@ -95,7 +95,7 @@ def gap(place: Floats, other: Floats) -> float:
 @pytest.mark.parametrize("width", [1.15, 1.6, 2.2])
 def test_a_bent_pipe_is_found_from_mouth_to_mouth(width: float, seed: int) -> None:
     poses = curve(seed, 12)
-    ((axis, through),) = found([solid(open_tube(poses, width * RADIUS, (width + 0.8) * RADIUS), "pipe")])
+    ((axis, through),) = found([open_tube(poses, width * RADIUS, (width + 0.8) * RADIUS).mesh("pipe")])
     assert through
     gaps, _ = cKDTree(curve(seed, 120)[:, :3, 3]).query(axis[2:-2])
     assert np.max(gaps) <= 0.5 * RADIUS
@@ -108,7 +108,7 @@ def test_a_bent_pipe_is_found_from_mouth_to_mouth(width: float, seed: int) -> No
 
 
 def test_there_is_none_in_a_closed_pipe_a_wide_hall_a_thin_door_and_beside_one_box() -> None:
-    assert not found([solid(hollow(curve(0, 12), 1.3 * RADIUS, 2.1 * RADIUS), "pipe")])
+    assert not found([hollow(curve(0, 12), 1.3 * RADIUS, 2.1 * RADIUS).mesh("pipe")])
     assert not found(list(walls(2.0, 5.0)))
     assert not found([Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), Sphere((3.0, 0.0, 0.0), 1.0)])
     half, thick = 1.5 * RADIUS, 0.05
@@ -118,7 +118,7 @@ def test_there_is_none_in_a_closed_pipe_a_wide_hall_a_thin_door_and_beside_one_b
 
 
 def test_tables_that_are_full_are_not_written_beyond() -> None:
-    pipe = solid(open_tube(curve(0, 12), 1.5 * RADIUS, 2.3 * RADIUS), "pipe")
+    pipe = open_tube(curve(0, 12), 1.5 * RADIUS, 2.3 * RADIUS).mesh("pipe")
     for points in range(1, 12):
         for axis, _ in found([pipe], points=points):
             assert len(axis) <= points

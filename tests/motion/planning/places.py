@@ -4,7 +4,7 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.places.cells import channel
-from benchmarks.places.parts import box_between
+from benchmarks.places.solids import box_between
 from sinuous.motion.planning.query import Deadline, FixedGoal, Query
 from sinuous.solver.certificates.steps import prove_steps
 from tests.helpers import Floats

@@ -9,7 +9,7 @@ import sinuous as sn
 from benchmarks.judges.clearances import prepared
 from benchmarks.places import make
 from benchmarks.places.cells import channel
-from benchmarks.places.parts import box_between
+from benchmarks.places.solids import box_between
 from sinuous.base.checks import Floats
 from sinuous.kernels.tables import POSE_POSITION
 from sinuous.measures.obstacles import measure

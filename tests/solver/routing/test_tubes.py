@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from benchmarks.places.parts import hollow, open_tube, solid
+from benchmarks.places.solids import hollow, open_tube
 from sinuous import Robot, Scene, Segment, Target
 from tests.helpers import Floats
 
@@ -26,7 +26,7 @@ def poses(robot: Robot, q: Floats, samples: int = 10) -> Floats:
 
 
 AXIS = poses(ROBOT, Q)[: 10 * ENCLOSED + 1]
-PIPE = Scene([solid(open_tube(AXIS, 1.3 * RADIUS, 2.1 * RADIUS), "pipe")])
+PIPE = Scene([open_tube(AXIS, 1.3 * RADIUS, 2.1 * RADIUS).mesh("pipe")])
 TARGET = Target(ROBOT.tip(Q)[:3, 3])
 
 
@@ -41,7 +41,7 @@ def test_what_lies_in_a_pipe_is_solved_along_it() -> None:
 
 def test_a_target_in_the_pipe_is_reached_along_its_axis() -> None:
     wall = hollow(poses(ROBOT, Q), 1.4 * RADIUS, 2.2 * RADIUS)
-    scene = Scene([solid(wall, "pipe")])
+    scene = Scene([wall.mesh("pipe")])
     solution = sn.solve(ROBOT, TARGET, scene)
     assert (solution.solved, solution.start) == (True, "route")
     assert sn.check(ROBOT, solution.q, scene, TARGET).ok

@@ -7,26 +7,14 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import sinuous as sn
-from benchmarks.harness import (
-    Divided,
-    Experiment,
-    Goal,
-    Line,
-    Plan,
-    Times,
-    Trial,
-    in_processes,
-    listed,
-    number,
-    refuted,
-    timed,
-)
+from benchmarks.harness import Experiment, Line, Plan, Trial, divided, listed, number, refuted, solved_within, timed
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right
@@ -54,9 +42,6 @@ MEDIAN, TAIL, WORST = 5e-3, 50e-3, 1.0
 PUBLISHED_MEDIAN, NARROW_MEDIAN = 200e-6, 10e-3
 """Wanted of the median of published protocols, and where a pipe is 1.3 times as wide as the body, seconds."""
 
-CHUNK = 5
-"""Places that a process gets at a time."""
-
 LIMIT = 1.0
 """Seconds after which an answer comes too late."""
 
@@ -73,7 +58,8 @@ def clutter(plan: Plan) -> Experiment:
         sizes = (PUBLISHED, PUBLISHED_QUICK) if own.published else (COUNT, QUICK)
         first = 1000 * plan.seed
         seeds = range(first, first + plan.count(*sizes))
-        parts[family] = divided(plan, family, seeds, PUBLISHED_TOGETHER if own.published else TOGETHER)
+        together = PUBLISHED_TOGETHER if own.published else TOGETHER
+        parts[family] = divided(plan, partial(examine, family), seeds, together, partial(lines_of, family))
     protocol = (
         f"place i of a family is benchmarks.places.make(family, 1000 * seed + i), i below {COUNT} ({PUBLISHED} for p3 "
         "and p4); constants may be tuned on even numbers below 1000 only, and on no place of a judging kind, so every "
@@ -87,18 +73,8 @@ def worlds(plan: Plan) -> Experiment:
     first = WORLDS * plan.seed
     seeds = range(first, first + plan.count(WORLDS, WORLDS_QUICK))
     protocol = f"world i is benchmarks.places.make({SMALL!r}, {WORLDS} * seed + i); {COUNTED}"
-    return Experiment("worlds", plan, {SMALL: divided(plan, SMALL, seeds, WORLDS_TOGETHER)}, protocol, total_of)
-
-
-def divided(plan: Plan, family: str, seeds: range, together: int) -> Divided:
-    """Return places of one family, some at a time, and what sums them up."""
-    shares = [partial(tried, plan.quick, family, seeds[i : i + together]) for i in range(0, len(seeds), together)]
-    return Divided(shares, partial(lines_of, family))
-
-
-def tried(alone: bool, family: str, seeds: range) -> list[Trial]:
-    """Try some places, each in a process that has a core of its own, or (`alone`) in this one."""
-    return list(in_processes(partial(examine, family), seeds, alone, CHUNK))
+    part = divided(plan, partial(examine, SMALL), seeds, WORLDS_TOGETHER, partial(lines_of, SMALL))
+    return Experiment("worlds", plan, {SMALL: part}, protocol, total_of)
 
 
 def examine(family: str, seed: int) -> Trial:
@@ -114,10 +90,11 @@ def examine(family: str, seed: int) -> Trial:
     return Trial(seed, seconds, str(solution.status), wrong, solution.start)
 
 
-def lines_of(family: str, shares: Sequence[Sequence[Trial]]) -> Iterator[Line]:
+def lines_of(family: str, trials: Sequence[Trial]) -> Iterator[Line]:
     """Sum up one family: what is solved, which places are not, and which times are longer than was wanted."""
-    own, trials = FAMILIES[family], [trial for share in shares for trial in share]
-    line = _solved(JUDGING if own.judging else SOLVED, family, trials, 100.0 if own.published else 99.0)
+    own = FAMILIES[family]
+    section, share = JUDGING if own.judging else SOLVED, 100.0 if own.published else 99.0
+    line = solved_within(LIMIT, section, family, trials, share)
     assert line.times is not None
     median = PUBLISHED_MEDIAN if own.published else NARROW_MEDIAN if "1.3" in family else MEDIAN
     wanted = {"median": median, "p95": TAIL, "worst": WORST}
@@ -126,19 +103,11 @@ def lines_of(family: str, shares: Sequence[Sequence[Trial]]) -> Iterator[Line]:
     yield replace(line, note="; ".join([*late, *([f"not solved: {failed}"] if failed else [])]))
 
 
-def total_of(found: Mapping[str, Sequence[Sequence[Trial]]]) -> Iterator[Line]:
+def total_of(found: Mapping[str, Sequence[Trial]]) -> Iterator[Line]:
     """Sum up all families, and count wrong claims."""
-    trials = {family: [trial for share in shares for trial in share] for family, shares in found.items()}
-    if len(trials) > 1:
-        yield _solved(ALL, f"{len(trials)} families", [trial for own in trials.values() for trial in own], 99.0)
-    yield refuted(FALSE, "all", trials)
-
-
-def _solved(section: str, what: str, trials: Sequence[Trial], share: float) -> Line:
-    """Return how many are solved in time and found right, of which so large a share (%) is wanted."""
-    good, goal = sum(trial.good(LIMIT) for trial in trials), Goal(share, at_most=False)
-    times = Times.of([trial.seconds for trial in trials])
-    return Line(section, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)))
+    if len(found) > 1:
+        yield solved_within(LIMIT, ALL, f"{len(found)} families", list(chain.from_iterable(found.values())), 99.0)
+    yield refuted(FALSE, "all", found)
 
 
 def run(

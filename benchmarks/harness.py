@@ -170,10 +170,17 @@ def counted(
 ) -> Iterator[Line]:
     """Count what is planned within the limit (s), of which a share (%) may be wanted, and what a judge refutes."""
     missed = listed([f"{trial.number} ({trial.status})" for trial in trials if not trial.good(limit)])
-    good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
-    times, note = Times.of([trial.seconds for trial in trials]), f"not within {limit:g} s: {missed}" if missed else ""
-    yield Line(planned, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
+    yield solved_within(limit, planned, what, trials, share, f"not within {limit:g} s: {missed}" if missed else "")
     yield refuted(false, what, {"": trials})
+
+
+def solved_within(
+    limit: float, section: str, what: str, trials: Sequence[Trial], share: float | None = None, note: str = ""
+) -> Line:
+    """Count what is solved within the limit (s) and found right, of which a share (%) may be wanted."""
+    good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
+    times = Times.of([trial.seconds for trial in trials])
+    return Line(section, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
 
 
 def refuted(false: str, what: str, found: Mapping[str, Sequence[Trial]]) -> Line:
@@ -333,12 +340,12 @@ class Divided(NamedTuple):
     Attributes
     ----------
     shares : list of callable
-        Each returns what can be pickled.
+        Each returns a list that can be pickled.
     summed : callable
-        From what shares returned, in their order, to the lines. After an interrupt some are missing.
+        From what all shares have listed, in their order, to the lines. After an interrupt some is missing.
     """
 
-    shares: Sequence[Callable[[], Any]]
+    shares: Sequence[Callable[[], list[Any]]]
     summed: Callable[[list[Any]], Iterable[Line]]
 
 
@@ -358,7 +365,7 @@ class Experiment:
     protocol : str
         What is counted, and how it is timed, in a sentence for the head of the report.
     total : callable, optional
-        From what shares of all parts returned, by part, to the lines that sum these up.
+        From what the shares of each part have listed, by part, to the lines that sum these up.
     """
 
     name: str
@@ -370,10 +377,7 @@ class Experiment:
     @classmethod
     def of(cls, name: str, plan: Plan, measured: Mapping[str, Part]) -> "Experiment":
         """Return one of parts that are measured in one go each."""
-        parts = {
-            part: Divided([partial(_listed, measure, plan)], chain.from_iterable) for part, measure in measured.items()
-        }
-        return cls(name, plan, parts)
+        return cls(name, plan, {part: Divided([partial(_listed, own, plan)], list) for part, own in measured.items()})
 
     def only(self, patterns: Sequence[str]) -> "Experiment":
         """Return the experiment with some of the parts alone; see `chosen`."""
@@ -390,7 +394,7 @@ class Experiment:
         found = {}
         for name, part in self.parts.items():
             if there := [pieces[piece] for piece in _names(name, part) if piece in pieces]:
-                found[name] = there
+                found[name] = list(chain.from_iterable(there))
         lines = [line for name, there in found.items() for line in self.parts[name].summed(there)]
         return [*lines, *self.total(found)] if found and self.total is not None else lines
 
@@ -429,9 +433,23 @@ def ignore_suspicions() -> None:
     warnings.simplefilter("ignore", SuspiciousInput)
 
 
-def in_processes(
-    work: Callable[[Item], Result], items: Iterable[Item], alone: bool = False, chunk: int = 1
-) -> Iterator[Result]:
+def divided(
+    plan: Plan,
+    work: Callable[[Item], Any],
+    items: Sequence[Item],
+    together: int,
+    summed: Callable[[list[Any]], Iterable[Line]],
+) -> Divided:
+    """Return the measurement that works on items in processes, so many in one share, and sums up the results."""
+    shares = [partial(_worked, work, items[i : i + together], plan.quick) for i in range(0, len(items), together)]
+    return Divided(shares, summed)
+
+
+def _worked(work: Callable[[Item], Result], items: Sequence[Item], alone: bool) -> list[Result]:
+    return list(in_processes(work, items, alone))
+
+
+def in_processes(work: Callable[[Item], Result], items: Iterable[Item], alone: bool = False) -> Iterator[Result]:
     """Yield results in the order of the items, made in as many processes as there are cores, or (`alone`) in this one.
 
     Every process keeps to a core of its own, where the system lets it. An interrupt is left to the process that
@@ -441,7 +459,7 @@ def in_processes(
         yield from map(work, items)
         return
     try:
-        yield from _pool().map(work, items, chunksize=chunk)
+        yield from _pool().map(work, items)
     except (KeyboardInterrupt, GeneratorExit):
         _stop()
         raise

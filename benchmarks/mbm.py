@@ -20,7 +20,7 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness import Divided, Experiment, Line, Plan, Times, Trial, conduct, in_processes, refuted, require
+from benchmarks.harness import Experiment, Line, Plan, Times, Trial, conduct, divided, refuted, require
 from benchmarks.judges.judge import right, wrong_in
 from benchmarks.problems import tip_targets
 from benchmarks.ways import measured
@@ -171,14 +171,8 @@ def _wrong(asked: Asked, motion: sn.Motion) -> str:
     return wrong_in(asked.robot, asked.scene, motion.configuration)
 
 
-def scenario(robot: str, plan: Plan, problems: Sequence[Problem]) -> list[Planned]:
-    """Plan the problems of a scenario."""
-    return list(in_processes(partial(examine, robot, plan.seed), problems, alone=plan.quick))
-
-
-def lines_of(name: str, shares: Sequence[Sequence[Planned]]) -> Iterator[Line]:
+def lines_of(name: str, planned: Sequence[Planned]) -> Iterator[Line]:
     """Sum up a scenario: what is planned in time, and how long its paths are; times are those of such plans."""
-    planned = [each for share in shares for each in share]
     good = [each for each in planned if each.trial.good(LIMIT)]
     missed = [f"{trial.number} ({trial.wrong or trial.status})" for trial, _ in planned if not trial.good(LIMIT)]
     times = Times.of([each.trial.seconds for each in good] or [math.nan])
@@ -189,11 +183,10 @@ def lines_of(name: str, shares: Sequence[Sequence[Planned]]) -> Iterator[Line]:
     yield Line(COSTS, f"{name}, 95 %", costs.p95, "m")
 
 
-def total_of(found: Mapping[str, Sequence[Sequence[Planned]]]) -> Iterator[Line]:
+def total_of(found: Mapping[str, Sequence[Planned]]) -> Iterator[Line]:
     """Sum up all scenarios, and count false claims."""
-    yield from lines_of("all", [share for shares in found.values() for share in shares])
-    trials = {name: [each.trial for share in shares for each in share] for name, shares in found.items()}
-    yield refuted(FALSE, "all", trials)
+    yield from lines_of("all", [each for own in found.values() for each in own])
+    yield refuted(FALSE, "all", {name: [each.trial for each in own] for name, own in found.items()})
 
 
 def run(
@@ -211,8 +204,9 @@ def run(
     checks.integer("--seed", seed, 0, 2**31 - 1)
     require()
     plan = Plan(seed, quick)
+    most, work = plan.count(count, 1), partial(examine, robot, seed)
     parts = {
-        name: Divided([partial(scenario, robot, plan, problems[: plan.count(count, 1)])], partial(lines_of, name))
+        name: divided(plan, work, problems[:most], most, partial(lines_of, name))
         for name, problems in read_scenarios(folder).items()
     }
     protocol = (

@@ -198,12 +198,12 @@ def _answers(solver: sn.Solver, targets: Sequence[sn.Target], along: bool) -> It
         yield solution, seconds
 
 
-def share(everyone: Sequence[Entrant], problems: Callable[[], ProblemSet], solve: Solve) -> dict[str, Any]:
-    """Let those that can solve some problems; return their records, and why the others do not take part."""
+def share(everyone: Sequence[Entrant], problems: Callable[[], ProblemSet], solve: Solve) -> list[dict[str, Any]]:
+    """Let those that can solve some problems; list their records, and why the others do not take part."""
     asked = problems()
     refused = {entrant.label: entrant.refusal(asked) for entrant in everyone}
     able = [entrant for entrant in everyone if not refused[entrant.label]]
-    return {"records": solve(able, asked), "refused": {label: why for label, why in refused.items() if why}}
+    return [{"records": solve(able, asked), "refused": {label: why for label, why in refused.items() if why}}]
 
 
 def lines_of(

@@ -7,6 +7,7 @@ judges find them right.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from statistics import median
 from time import thread_time
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Divided, Experiment, Line, Plan, Times, Trial, in_processes, refuted, timed
+from benchmarks.harness import Experiment, Line, Plan, Times, Trial, divided, refuted, solved_within, timed
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.judge import wrong_in
 from benchmarks.motion.known import straight
@@ -244,11 +245,10 @@ def _compare(name: str, plan: Plan) -> Experiment:
     """Compare ways to solve places; a part is a family."""
     ways, first = WAYS[name], 1000 * plan.seed
     numbers = range(first, first + plan.count(ways.places, 1))
-    parts = {
-        family: Divided([partial(examine, name, plan, family, numbers)], partial(lines_of, name, family))
-        for family, own in FAMILIES.items()
-        if ways.whole or not own.joints
-    }
+    parts = {}
+    for family in [family for family, own in FAMILIES.items() if ways.whole or not own.joints]:
+        work, summed = partial(examine, name, plan, family), partial(lines_of, name, family)
+        parts[family] = divided(plan, work, numbers, len(numbers), summed)
     protocol = (
         f"places 1000 * seed + i of each family, i below {len(numbers)}; CPU time of the thread; counted is what says "
         f"solved within {ways.within:g} s and the judges find right"
@@ -259,48 +259,40 @@ def _compare(name: str, plan: Plan) -> Experiment:
 ablation, demanded, remembered, explored = (partial(_compare, name) for name in WAYS)
 
 
-def examine(name: str, plan: Plan, family: str, numbers: range) -> list[Found]:
-    """Examine places of a family in all ways."""
-    found = in_processes(partial(_examined, name, plan, family), numbers, alone=plan.quick)
-    return [each for some in found for each in some]
-
-
-def _examined(name: str, plan: Plan, family: str, number: int) -> list[Found]:
+def examine(name: str, plan: Plan, family: str, number: int) -> list[Found]:
+    """Examine a place of a family in all ways."""
     return list(WAYS[name].examined(plan, make(family, number)))
 
 
-def lines_of(name: str, family: str, shares: Sequence[Sequence[Found]]) -> Iterator[Line]:
-    """Sum up the ways in one family, where each is told by itself."""
-    for way, (trials, other) in _paired(name, shares).items() if not WAYS[name].whole else ():
+def lines_of(name: str, family: str, found: Sequence[Sequence[Found]]) -> Iterator[Line]:
+    """Sum up the ways in places of one family, where each is told by itself."""
+    for way, (trials, other) in _paired(name, found).items() if not WAYS[name].whole else ():
         yield _line(name, EACH, f"{family}, {way}", trials, other)
 
 
 def total_of(name: str, found: Mapping[str, Sequence[Sequence[Found]]]) -> Iterator[Line]:
     """Sum up the ways in all families, say which of these each moves, and count wrong claims."""
-    by_family = {family: _paired(name, shares) for family, shares in found.items()}
-    for way, (trials, other) in _paired(name, [share for shares in found.values() for share in shares]).items():
+    by_family = {family: _paired(name, places) for family, places in found.items()}
+    for way, (trials, other) in _paired(name, [*chain.from_iterable(found.values())]).items():
         line = _line(name, ALL, way, trials, other)
         moved = [_moved(family, *own[way], WAYS[name].within) for family, own in by_family.items() if way in own]
         yield replace(line, note="; ".join(filter(None, [line.note, ", ".join(filter(None, moved))])))
-    judged = {family: [trial for share in shares for _, trial in share] for family, shares in found.items()}
+    judged = {family: [trial for place in places for _, trial in place] for family, places in found.items()}
     yield refuted(FALSE, "all", judged)
 
 
-def _paired(name: str, shares: Sequence[Sequence[Found]]) -> dict[str, tuple[list[Trial], list[Trial]]]:
+def _paired(name: str, found: Sequence[Sequence[Found]]) -> dict[str, tuple[list[Trial], list[Trial]]]:
     """What came of each way, and, problem by problem, of that which it is held against."""
-    own = {way: [t for share in shares for each, t in share if each == way] for way in WAYS[name].against}
+    own = {way: [trial for each, trial in chain.from_iterable(found) if each == way] for way in WAYS[name].against}
     return {way: (trials, own[WAYS[name].against[way]]) for way, trials in own.items() if trials}
 
 
 def _line(name: str, section: str, what: str, trials: Sequence[Trial], other: Sequence[Trial]) -> Line:
     """How often and how quickly a way solves, and, in the note, its time as a part of that of the other."""
-    within = WAYS[name].within
-    good, times = sum(trial.good(within) for trial in trials), Times.of([trial.seconds for trial in trials])
-    pairs = zip(trials, other, strict=True)
+    within, pairs = WAYS[name].within, zip(trials, other, strict=True)
     ratios = [a.seconds / b.seconds for a, b in pairs if a.good(within) and b.good(within)] or [np.nan]
     told = f"takes {median(ratios):.3g} of the time of the other, {np.quantile(ratios, 0.95):.3g} for 95 %"
-    note = "" if trials is other else told
-    return Line(section, what, 100.0 * good / len(trials), "%", None, times, (good, len(trials)), note)
+    return solved_within(within, section, what, trials, note="" if trials is other else told)
 
 
 def _moved(family: str, trials: Sequence[Trial], other: Sequence[Trial], within: float) -> str:

@@ -197,7 +197,7 @@ def examine(seed: int) -> Tally:
 def false_claims(plan: Plan) -> Iterator[Line]:
     """Count false claims, and answers outside the limits."""
     seeds = range(1000 * plan.seed, 1000 * plan.seed + plan.count(1000, 5))
-    found = list(in_processes(examine, seeds, alone=plan.quick, chunk=5))
+    found = list(in_processes(examine, seeds, alone=plan.quick))
     total = TARGETS * len(seeds)
     for what, name in (("false claims", "false"), ("answers outside limits, solved or not", "outside")):
         wrong = {seed: own for seed, tally in zip(seeds, found, strict=True) if (own := getattr(tally, name))}

@@ -116,17 +116,13 @@ def tallied(make: Callable[[int], World], numbers: range) -> list[Trial]:
     return [trial._replace(number=f"{number}.{trial.number}") for number, trial in found]
 
 
-def lines_of(section: str, what: str, most: float | None, shares: Sequence[Sequence[Trial]]) -> Iterator[Line]:
+def lines_of(section: str, what: str, most: float | None, trials: Sequence[Trial]) -> Iterator[Line]:
     """Sum up worlds: what share of problems is solved in time, which may be wanted (%), and false claims."""
-    trials = [each for share in shares for each in share]
     yield from counted(section, f"{section}: false claims", what, trials, LIMIT, most)
 
 
-def lines_of_judged(
-    section: str, kind: str, good: str, false: str, shares: Sequence[Sequence[Judged]]
-) -> Iterator[Line]:
+def lines_of_judged(section: str, kind: str, good: str, false: str, judged: Sequence[Judged]) -> Iterator[Line]:
     """Sum up motions or calls of one kind: how many are good, and which false."""
-    judged = [each for share in shares for each in share]
     count = sum(each.good for each in judged)
     wrong = [f"{i}: {each.false}" for i, each in enumerate(judged) if each.false]
     yield Line(section, f"{kind}: {good}", 100.0 * count / len(judged), "%", None, None, (count, len(judged)))

@@ -73,7 +73,7 @@ LATE = Trial(0, 1.5, "solved", "", "route")
 
 def summed(*trials: Trial) -> dict[str, Line]:
     found = [trial._replace(number=seed) for seed, trial in enumerate(trials)]
-    lines = [*clutter.lines_of("spheres 12", [found]), *clutter.total_of({"spheres 12": [found]})]
+    lines = [*clutter.lines_of("spheres 12", found), *clutter.total_of({"spheres 12": found})]
     return {line.section: line for line in lines}
 
 
@@ -110,7 +110,7 @@ def test_an_answer_off_its_target_is_a_wrong_claim(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(sn.Solver, "solve", shifted((0, 0), 0.1))
     monkeypatch.setattr(methods, "METHODS", ("newton",))
     part = methods.table1(QUICK).parts["A"]
-    lines = {line.what: line for line in part.summed([share() for share in part.shares])}
+    lines = {line.what: line for line in part.summed([each for share in part.shares for each in share()])}
     assert lines["newton"].solved == (0, 2)
     assert "2 off the target" in lines["newton"].note
     assert lines['wrong claims of "solved"'].held is False

@@ -91,7 +91,7 @@ def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) ->
     ]
     monkeypatch.setattr(experiment, "examine", lambda _: made)
     part = experiment.tallied(lambda number: world([]), range(7, 8))
-    within, false = experiment.lines_of("s", "w", 99.97, [part])
+    within, false = experiment.lines_of("s", "w", 99.97, part)
     assert (within.solved, within.held) == ((2, 4), False)
     assert within.note == "not within 1 s: 7.2 (solved), 7.3 (solved)"
     assert (false.reached, false.held, false.note) == (1, False, "7.3 (overlap)")
@@ -187,5 +187,5 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
     monkeypatch.setattr(calls, "CALLS", {"call": (make, ("rates",))})
     found = calls.called(0, 0)
     assert (found.good, found.false.split(" ")[:2]) == (error is None, ["call:", false] if false else [""])
-    _, line = experiment.lines_of_judged("s", "calls", "answered", "exceptions", [[found, Judged(True, "")]])
+    _, line = experiment.lines_of_judged("s", "calls", "answered", "exceptions", [found, Judged(True, "")])
     assert line.reached == bool(false)

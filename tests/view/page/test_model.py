@@ -13,7 +13,8 @@ from sinuous.answer.remedies import Remedy
 from sinuous.model.segment import straight
 from sinuous.view.page.model import History, PageModel, problem_text, read_problem
 from sinuous.view.page.session import QUICK_SECONDS, Solvers
-from tests.helpers import refused
+from sinuous.view.page.tabs import value_ranges
+from tests.helpers import refused, with_each
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 BALL = sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")
@@ -253,3 +254,23 @@ def test_a_waypoint_is_asked_at_its_time() -> None:
     page = moving(target=None, path=path, start=[[0.3, 0.0, 1.0]] * 3)
     page.go_to_waypoint(1)
     assert page.time == 2.0
+
+
+@with_each("lines", [sn.Tendons(3, 0.04, stiffness=50.0, gain=-20.0, offset=3.0), sn.Chambers(4, 0.04, stiffness=9.0)])
+def test_sliders_of_elastic_motors_reach_what_holds_any_shape(lines: sn.Tendons | sn.Chambers) -> None:
+    """They ended where rigid motors would, short of what a solution says of its motors, by all of the stretch."""
+    own = {"tendons": lines} if isinstance(lines, sn.Tendons) else {"chambers": lines}
+    robot = sn.Robot([sn.Segment(1.0, max_bend=2.0, radius=0.05, stiffness=1.0, **own)] * 3)  # type: ignore[arg-type]
+    low, high = value_ranges(robot).T
+    rng = np.random.default_rng(3)
+    q = np.tile(np.array(robot.straight), (200, 1, 1))
+    turns = rng.uniform(0.0, 2.0 * np.pi, (200, 3))
+    q[..., :2] = 2.0 * rng.choice([0.3, 1.0], (200, 3, 1)) * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
+    values = robot.to_actuators(q)
+    assert robot.drive.stretch(q).max() > 0.1 * np.ptp([low, high]) / 20.0
+    assert (values > low - 0.01 * (high - low)).all()
+    assert (values < high + 0.01 * (high - low)).all()
+    page = model(robot=robot)
+    for i in (0, 4):
+        page.drive(i, 0.2 * low[i] + 0.8 * high[i])
+        assert page.actuators[i] == 0.2 * low[i] + 0.8 * high[i], "it shows another value than was set"

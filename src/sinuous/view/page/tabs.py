@@ -282,6 +282,10 @@ def _of_actuators(session: Session, seen: Sequence[int]) -> Iterator[Slider]:
             yield actuator.name + unit, (ends[i][0], ends[i][1]), get, put
 
 
+TURNS = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
+"""Directions in which segments are bent to see how far lines stretch, rad."""
+
+
 def value_ranges(robot: Robot) -> Floats:
     """Least and largest values (m, 2) of all actuators: their limits, and what limits of the segments leave of them."""
     drive, ends = robot.drive, np.array([row.length for row in robot.rows])
@@ -289,7 +293,23 @@ def value_ranges(robot: Robot) -> Floats:
     bends = np.hypot(slopes[..., 0], slopes[..., 1]) @ largest_bends(robot)
     lengths = np.sort(slopes[..., 2, None] * ends, axis=-1).sum(axis=1) + drive.motors.offset[:, None]
     limits = np.array([actuator.limits for actuator in robot.actuators]).reshape(-1, 2)
-    return np.clip(lengths + np.stack([-bends, bends], axis=-1), limits[:, :1], limits[:, 1:])
+    stretches = np.sort(drive.motors.speeds(_stretches(robot)).T, axis=-1)
+    return np.clip(lengths + np.stack([-bends, bends], axis=-1) + stretches, limits[:, :1], limits[:, 1:])
+
+
+def _stretches(robot: Robot) -> Floats:
+    """About the least and the largest displacement (2, m) by which lines stretch to hold shapes within limits.
+
+    Forces add up from segment to segment: so do stretches of shapes of which one segment is bent.
+    """
+    count = len(robot)
+    q = np.tile(np.array(robot.straight), (count, len(TURNS), 1, 1))
+    for k, bend in enumerate(largest_bends(robot)):
+        q[k, :, k, :2] = bend * np.stack([np.cos(TURNS), np.sin(TURNS)], axis=-1)
+    straight = robot.drive.stretch(robot.straight)
+    more = robot.drive.stretch(q) - straight
+    ends = np.stack([more.min(axis=1), more.max(axis=1)])
+    return straight + np.stack([np.minimum(ends[0], 0.0), np.maximum(ends[1], 0.0)]).sum(axis=1)
 
 
 def _bend(session: Session, k: int, c: int, value: float) -> None:

@@ -189,3 +189,7 @@ def test_a_call_ends_in_an_answer_or_in_a_refusal(
     assert (found.good, found.false.split(" ")[:2]) == (error is None, ["call:", false] if false else [""])
     _, line = experiment.lines_of_judged("s", "calls", "answered", "exceptions", [found, Judged(True, "")])
     assert line.reached == bool(false)
+
+
+def test_a_chamber_of_a_rigid_segment_has_no_tension_and_no_blame() -> None:
+    assert calls.called(56, 213) == Judged(True, "")

@@ -30,7 +30,8 @@ from sinuous.motion.report import Report
 from sinuous.motion.resampling import lines_between
 from sinuous.scene.scene import SceneLike, as_snapshot, entries_of
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.certificates.steps import SAMPLES, Steps, interpolate, prove_steps
+from sinuous.solver.certificates.steps import SAMPLES, Steps, prove_steps
+from sinuous.solver.polylines import interpolate
 from sinuous.statics.rest import bodies_at
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Lines through points: how long they are up to each of them, and other points along them."""
+"""Lines through points, or through the knots of a motion: how long they are up to each, and what lies between."""
 
 import numpy as np
 
@@ -23,3 +23,12 @@ def respaced(line: Floats, count: int) -> Floats:
     points = np.empty((count, 3))
     respace_line(np.array(line), points)  # a copy, because kernels are compiled for what can be written
     return points
+
+
+def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
+    """Return configurations (..., n, 3) at times (...) within those of the knots `q` (T, n, 3), linear between them."""
+    if len(q) == 1:
+        return np.broadcast_to(q[0], (*when.shape, *q.shape[1:])).copy()
+    step = np.clip(np.searchsorted(times, when, side="right") - 1, 0, len(q) - 2)
+    share = ((when - times[step]) / (times[step + 1] - times[step]))[..., None, None]
+    return (1.0 - share) * q[step] + share * q[step + 1]

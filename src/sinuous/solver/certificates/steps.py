@@ -46,6 +46,7 @@ from sinuous.model.robot import Robot, robot_group
 from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Primitive
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solver.polylines import interpolate
 from sinuous.statics.between import Leave, bounded, leave, stretches_between
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
@@ -106,15 +107,6 @@ def _poses(courses: list[Course]) -> Floats:
         poses[:-1, ONWARD : ONWARD + 3] = course.turns
         tables.append(poses)
     return np.concatenate(tables) if tables else np.zeros((0, COURSE_POSE_WIDTH))
-
-
-def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
-    """Return configurations (..., n, 3) at times (...) within those of the knots `q` (T, n, 3), linear between them."""
-    if len(q) == 1:
-        return np.broadcast_to(q[0], (*when.shape, *q.shape[1:])).copy()
-    step = np.clip(np.searchsorted(times, when, side="right") - 1, 0, len(q) - 2)
-    share = ((when - times[step]) / (times[step + 1] - times[step]))[..., None, None]
-    return (1.0 - share) * q[step] + share * q[step + 1]
 
 
 def together(answers: Floats, times: Floats, finer: Floats) -> Floats:

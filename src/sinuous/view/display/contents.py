@@ -27,7 +27,7 @@ from sinuous.scene.moving import standing_at
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solver.certificates.steps import interpolate
+from sinuous.solver.polylines import interpolate
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import Equilibrium, under_load
 from sinuous.statics.rest import bodies_at

@@ -260,7 +260,7 @@ def test_a_waypoint_is_asked_at_its_time() -> None:
 def test_sliders_of_elastic_motors_reach_what_holds_any_shape(lines: sn.Tendons | sn.Chambers) -> None:
     """They ended where rigid motors would, short of what a solution says of its motors, by all of the stretch."""
     own = {"tendons": lines} if isinstance(lines, sn.Tendons) else {"chambers": lines}
-    robot = sn.Robot([sn.Segment(1.0, max_bend=2.0, radius=0.05, stiffness=1.0, **own)] * 3)  # type: ignore[arg-type]
+    robot = sn.Robot([sn.Segment(1.0, max_bend=2.0, radius=0.05, stiffness=1.0, **own)] * 3)
     low, high = value_ranges(robot).T
     rng = np.random.default_rng(3)
     q = np.tile(np.array(robot.straight), (200, 1, 1))

@@ -156,8 +156,6 @@ NORMALS_SIZE = 21
 BALL_SIZE, CUBE_SIZE = 4, 3
 """Numbers of a ball (center, radius) and of a cube (center)."""
 
-ITEM_SIZES = (TRIANGLE_SIZE, BALL_SIZE, CUBE_SIZE)
-
 NODE_SIZE = 6
 """Numbers of a node of a tree: the low and the high corner of its box."""
 

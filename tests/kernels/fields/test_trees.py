@@ -13,7 +13,7 @@ from sinuous.kernels.fields import grids, trees
 from sinuous.kernels.fields.deviation import _largest
 from sinuous.kernels.fields.grids import SampleGrid
 from sinuous.kernels.fields.trees import Tree
-from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
+from sinuous.kernels.tables import BALL_SIZE, BALLS, CUBE_SIZE, CUBES, LEAF_ITEMS, TRIANGLES
 from sinuous.scene.triangles import with_planes
 from tests.helpers import Floats, random_unit, vec
 from tests.kernels.fields.patches import patch_of, points_of
@@ -26,7 +26,7 @@ def draw(kind: int, count: int, rng: np.random.Generator) -> Floats:
     if kind == TRIANGLES:
         a = rng.normal(size=(count, 1, 3))
         return with_planes(np.concatenate([a, a + 0.3 * rng.normal(size=(count, 2, 3))], axis=1))
-    items = rng.normal(size=(count, ITEM_SIZES[kind]))
+    items = rng.normal(size=(count, BALL_SIZE if kind == BALLS else CUBE_SIZE))
     if kind == BALLS:
         items[:, 3] = rng.uniform(0.0, 0.4, count)
     return items

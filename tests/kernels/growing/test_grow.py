@@ -9,8 +9,16 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.growing.beam import CHAIN_WIDTH, END_DISTANCE, FRAME, LAST_SEGMENT_Q, PARENT, SEGMENT_BEFORE_Q
-from sinuous.kernels.growing.grow import grow_chains, growing_size
+from sinuous.kernels.growing.beam import (
+    CHAIN_WIDTH,
+    END_DISTANCE,
+    FRAME,
+    LAST_SEGMENT_Q,
+    PARENT,
+    SEGMENT_BEFORE_Q,
+    beam_size,
+)
+from sinuous.kernels.growing.grow import grow_chains
 from sinuous.kernels.growing.turning import turn_round
 from sinuous.model.robot import robot_group
 from sinuous.solver.polylines import respaced
@@ -46,7 +54,7 @@ def grown(
     problem = sn.Problem(robot, targets, scene)
     n, width = len(robot) if most is None else most, 8 * count
     levels = np.full((n + 1, width, CHAIN_WIDTH), np.nan)  # nothing of what was there before may matter
-    workspace, counts = np.full(growing_size(len(problem.scene), width), np.nan), np.full(n + 1, -1)
+    workspace, counts = np.full(beam_size(len(problem.scene), width), np.nan), np.full(n + 1, -1)
     routes = np.stack([respaced(leg, points) for leg in legs])
     root = np.append(robot.base[:3, :3].ravel(), robot.base[:3, 3])
     grow_chains(*kernel_groups(problem), routes, root[None], math.inf, seconds, workspace, levels, counts)
@@ -145,7 +153,7 @@ def test_chains_stop_in_the_open() -> None:
     points = respaced(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.8], goal]), 80)[None]
     root = np.append(np.eye(3).ravel(), np.zeros(3))[None]
     levels, counts = np.zeros((7, 8, CHAIN_WIDTH)), np.zeros(7, np.int64)
-    workspace = np.empty(growing_size(4, 8))
+    workspace = np.empty(beam_size(4, 8))
     assert grow_chains(*kernel_groups(problem), points, root, 3.5, 60.0, workspace, levels, counts)
     assert (counts[:4] > 0).all()
     assert (counts[4:] == 0).all()

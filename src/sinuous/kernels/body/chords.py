@@ -7,24 +7,23 @@ a circle of curvature k that are as far apart along it, up to once around (Schur
 
 import math
 
-from sinuous.kernels.maths.vectors import TINY, Vec, add_scaled, dot, norm, sub
+from sinuous.kernels.maths.vectors import TINY, Vec, dot, sub
 
 PARALLEL = 1e-14
 """Square of the sine of an angle below which two chords count as parallel."""
 
 
-def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]:
-    """Lower bound of the distance between the straight lines `ab` and `cd`, and the fractions of both where it is.
+def find_closest(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float]:
+    """The fractions of the straight lines `ab` and `cd` where these are closest to each other.
 
-    Ericson, Real-Time Collision Detection, 5.1.9. The bound is the distance itself but for parallel lines, where it is
-    less by no more than their angle may have made of it.
+    Ericson, Real-Time Collision Detection, 5.1.9.
     """
     u, v, w = sub(b, a), sub(d, c), sub(a, c)
     uu, vv, uv, uw, vw = dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w)
-    s, loss = 0.5, math.sqrt(PARALLEL * uu)
+    s = 0.5
     squared_sine = uu * vv - uv * uv
     if squared_sine > PARALLEL * uu * vv:
-        s, loss = min(max((uv * vw - uw * vv) / squared_sine, 0.0), 1.0), 0.0
+        s = min(max((uv * vw - uw * vv) / squared_sine, 0.0), 1.0)
     t = (uv * s + vw) / (vv + TINY)
     if t <= 0.0:  # also where `cd` is a point
         t = 0.0
@@ -32,7 +31,7 @@ def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]
     elif t > 1.0:
         t = 1.0
         s = min(max((uv - uw) / (uu + TINY), 0.0), 1.0)
-    return norm(add_scaled(add_scaled(w, s, u), -t, v)) - loss, s, t
+    return s, t
 
 
 def sagitta_bound(length: float, bend: float) -> float:

@@ -8,13 +8,13 @@ begins at that junction, see `chain.rates`. So all differences of places of two 
 are within both sagittas and both of these bounds of the hull of eight: of the ends of the pieces at the ends of the
 interval. A direction in which all eight are far enough from 0 proves the pieces apart.
 
-`rates` (n, 6) are those of `chain.rates`.
+`rates` (n, 5) are those of `chain.rates`.
 """
 
 import math
 from collections import namedtuple
 
-from sinuous.kernels.body.chords import arc_chord, chord_distance, sagitta_bound
+from sinuous.kernels.body.chords import arc_chord, find_closest, sagitta_bound
 from sinuous.kernels.body.pieces import following
 from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Meeting, Shape, enough_between, own_gap
 from sinuous.kernels.chain.kinematics import frame, place_on, tangent
@@ -23,7 +23,7 @@ from sinuous.kernels.maths.vectors import TINY, Array, Vec, add, add_scaled, dot
 from sinuous.kernels.tables import LINK, ONWARD, RIGID, SELF_RADIUS, TAIL_LENGTH
 
 Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
-"""The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 6) of the whole
+"""The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 5) of the whole
 motion, and when it begins and how long it is, in times of the whole motion. At rest both shapes are one, the duration
 is 0, and nobody reads the rates."""
 
@@ -220,7 +220,7 @@ def _by_corners(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float,
         r2, r3 = _from_junction(last, pair, j, b), _from_junction(last, pair, j, b + v)
     p, pp = scale(0.5, add(p0, p2)), scale(0.5, add(p1, p3))
     r, rr = scale(0.5, add(r0, r2)), scale(0.5, add(r1, r3))
-    _, s, t = chord_distance(p, pp, r, rr)
+    s, t = find_closest(p, pp, r, rr)
     across = sub(add_scaled(r, t, sub(rr, r)), add_scaled(p, s, sub(pp, p)))
     g = scale(1.0 / (norm(across) + TINY), across)
     x0, x1, x2, x3 = dot(g, p0), dot(g, p1), dot(g, p2), dot(g, p3)

@@ -169,13 +169,13 @@ def _by_corners(scene: Scene, i: int, corners: PieceCorners, piece: Piece, reach
             return low, piece.half, piece.reach - piece.half - piece.radius
         deviation = abs(dot(g, patch.onward)) + abs(dot(g, patch.twist))
         return low - piece.lag, sagitta + abs(dot(g, patch.along)), piece.lag + deviation
-    d, g = slope(scene, i, center, math.inf, EXACT)
+    d, g = slope(scene, i, center)
     z = dot(g, center)
     g0, g1, g2, g3 = dot(g, c0) - z, dot(g, c1) - z, dot(g, c2) - z, dot(g, c3) - z
     low = d + min(g0, g1, g2, g3)
     if scene.table[i, SIGN] < 0.0:
-        d0, d1 = slope(scene, i, c0, math.inf, EXACT)[0], slope(scene, i, c1, math.inf, EXACT)[0]
-        d2, d3 = slope(scene, i, c2, math.inf, EXACT)[0], slope(scene, i, c3, math.inf, EXACT)[0]
+        d0, d1 = slope(scene, i, c0)[0], slope(scene, i, c1)[0]
+        d2, d3 = slope(scene, i, c2)[0], slope(scene, i, c3)[0]
         low = min(d0, d1, d2, d3)
     space = sagitta + 0.5 * max(abs(g1 - g0), abs(g3 - g2))
     return low - sagitta - piece.lag, space, piece.lag + 0.5 * max(abs(g2 - g0), abs(g3 - g1))
@@ -189,8 +189,8 @@ def _far(sweep: Sweep, i: int, piece: Piece, enough: float) -> bool:
     return dot(away, away) > passed * passed
 
 
-def _list_near(motion: Motion, sweep: Sweep, interval: Interval, piece: Piece, accuracy: Accuracy, seen: Array) -> int:
-    """List all obstacles of a large scene that may be too near to a piece during an interval; return their number.
+def _list_near(motion: Motion, sweep: Sweep, piece: Piece, accuracy: Accuracy, seen: Array) -> int:
+    """List all obstacles of a large scene that may be too near to a piece; return their number.
 
     Those that move are among them, wherever they are: how far they come is not known here.
     """
@@ -214,7 +214,7 @@ def _narrow(motion: Motion, sweep: Sweep, interval: Interval, piece: Piece, accu
     reach, more = piece.reach + accuracy.rounding, max(wanted(accuracy, seen), accuracy.rounding)
     count, listed = 0, sweep.counts[interval.level, k]
     if listed == MANY:
-        listed = _list_near(motion, sweep, interval, piece, accuracy, seen)
+        listed = _list_near(motion, sweep, piece, accuracy, seen)
     for e in range(listed):
         i = own[k, e]
         if _far(sweep, i, piece, reach + max(seen[PROVED_BOUND], more)):

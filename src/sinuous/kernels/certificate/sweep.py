@@ -36,7 +36,7 @@ Sweep = namedtuple("Sweep", "q frames reach reached near counts rates spans amon
 """Scratch of a proof of n segments among m obstacles: configurations (3, n, 3) and their frames (3, n + 1, 12), whose
 first rows are the base; of every segment the obstacles that it can reach at all (n, m) int64, and how many they are
 (n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
-(46, n) int64; `rates` (n, 6); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of
+(46, n) int64; `rates` (n, 5); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of
 segments i <= j as i n + j (n (n + 1) / 2,) int64, those that may still touch first, and how many of them that are after
 so many halvings (46,) int64; how fast every obstacle moves, `paces` (m, 5) of `drift`; a ball that holds each, `balls`
 (m, 4), see `measure_balls`; no drifts (0, 31); and the clock, see `kernels.clock`."""

@@ -9,7 +9,7 @@ of duration h a place stays within `h^2 A / 8` of the chord of its path.
 Between joints counts the straight way from one to the next, to a place of a link that from the last joint before it:
 links are rigid, so no detour through their other capsules moves anything.
 
-`q0` (n, 3) and `q1` (n, 3) are the first and the last configuration, `rates` (n, 6) has the columns below.
+`q0` (n, 3) and `q1` (n, 3) are the first and the last configuration, `rates` (n, 5) has the columns below.
 """
 
 import math
@@ -17,21 +17,20 @@ import math
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.tables import LINK, ONWARD, RIGID, TAIL_LENGTH
 
-TURNING, STRETCHING, ACCELERATION_BOUND, BEND_RATE, LENGTH_RATE, TAIL = range(6)
-"""Columns of `rates`: W (rad), the sum of the rates of lengths, and A (length unit) where a segment begins; how much
-it bends (rad) and changes its length in the whole motion; and how far its end is from where the next row begins."""
+TURNING, ACCELERATION_BOUND, BEND_RATE, LENGTH_RATE, TAIL = range(5)
+"""Columns of `rates`: W (rad) and A (length unit) where a segment begins; how much it bends (rad) and changes its
+length in the whole motion; and how far its end is from where the next row begins."""
 
-MOTION_RATES_WIDTH = 6
+MOTION_RATES_WIDTH = 5
 
 
 def measure_rates(limits: Array, q0: Array, q1: Array, rates: Array) -> float:
-    """Fill `rates` (n, 6); return a bound of how far any place of the body travels."""
-    turning = stretching = acceleration = travel = farthest = 0.0
+    """Fill `rates` (n, 5); return a bound of how far any place of the body travels."""
+    turning = acceleration = travel = farthest = 0.0
     for k in range(q0.shape[0]):
         onward, rates[k, TAIL] = limits[k, ONWARD], limits[k, TAIL_LENGTH]
         if limits[k, RIGID] == LINK:
-            rates[k, TURNING], rates[k, STRETCHING] = turning, stretching
-            rates[k, BEND_RATE] = rates[k, LENGTH_RATE] = 0.0
+            rates[k, TURNING], rates[k, BEND_RATE], rates[k, LENGTH_RATE] = turning, 0.0, 0.0
             rates[k, ACCELERATION_BOUND] = acceleration + onward * turning * turning
             farthest = max(farthest, travel + onward * turning)
             continue
@@ -40,11 +39,11 @@ def measure_rates(limits: Array, q0: Array, q1: Array, rates: Array) -> float:
         if onward > 0.0:
             acceleration += onward * turning * turning
             travel += onward * turning
-        rates[k, TURNING], rates[k, STRETCHING], rates[k, ACCELERATION_BOUND] = turning, stretching, acceleration
+        rates[k, TURNING], rates[k, ACCELERATION_BOUND] = turning, acceleration
         rates[k, BEND_RATE], rates[k, LENGTH_RATE] = bend, stretch
         acceleration = acceleration_bound(rates, k, max(q0[k, 2], q1[k, 2]), 1.0)
         travel += stretch + max(q0[k, 2], q1[k, 2]) * (turning + 0.5 * bend)
-        turning, stretching = turning + bend, stretching + stretch
+        turning += bend
     return max(farthest, travel)
 
 

@@ -24,9 +24,8 @@ TARGET_COLUMNS = 6
 """Columns of each target: its position, and its orientation as a small rotation in world axes; those of what is not
 asked for are zero."""
 
-GROUPS, COLUMNS, ROWS, ANSWER = 11, 11, 12, 13
-"""How many groups there are; places in `asked` of the number of all columns, of the most rows, and of the numbers of an
-answer."""
+COLUMNS, ROWS, ANSWER = 11, 12, 13
+"""Places in `asked` of the number of all columns, of the most rows, and of the numbers of an answer."""
 
 ASKED_WIDTH = 14
 
@@ -78,7 +77,7 @@ def workspace_size(segments: int, obstacles: int, targets: int, columns: int) ->
     """Numbers (float64) of workspace beside the answer."""
     n, r = segments, most_rows(segments, targets)
     own = 36 * n + 12 + obstacles + SPAN_WIDTH * (n + 1) + rows_size(n, 6 * targets)
-    return own + MOST_PAIRS * (1 + 3 * n) + r * (r + 1 + columns)
+    return own + MOST_PAIRS * pair_width(n) + r * (r + 1 + columns)
 
 
 def carve_workspace(

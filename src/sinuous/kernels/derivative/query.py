@@ -36,9 +36,6 @@ from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 SINGULAR_BELOW = 1e-10
 """Square of the sine between a row and those before it from which on it counts as one of theirs."""
 
-NEAR_BY = 1e-6
-"""What may be left of a limit that is active: rad, and mean lengths of its segment."""
-
 STILL = 1e-9
 """What an active row may be asked for without being called upon, relative to the largest that any row is asked for."""
 
@@ -127,7 +124,7 @@ def _find_rows(problem: Problem, work: Workspace, keep: float) -> tuple[int, int
         return count, 0, 0.0, told
     targets, residual = add_targets(problem, work)
     targets, full = add_equalities(problem, work, targets)
-    count, told = add_limits(problem, work, targets, NEAR_BY)
+    count, told = add_limits(problem, work, targets)
     told |= full
     count, more = add_contacts(problem, work, count, problem.margin)
     told |= more

@@ -34,6 +34,9 @@ from sinuous.kernels.velocity.layout import (
     SELF_CLEARANCE_LIMIT,
 )
 
+NEAR_BY = 1e-6
+"""What may be left of a limit that is active: rad, and mean lengths of its segment."""
+
 BESIDE = 1.001
 """Gaps up to so many times what is kept are active."""
 
@@ -90,17 +93,16 @@ def add_targets(problem: Problem, work: Workspace) -> tuple[int, float]:
     return at, worst
 
 
-def _is_active(slack: float, size: float, near_by: float) -> bool:
+def _is_active(slack: float, size: float) -> bool:
     """Whether nothing is left of a limit whose gradient has this size in the metric."""
-    return size > 0.0 and slack <= near_by * size
+    return size > 0.0 and slack <= NEAR_BY * size
 
 
-def add_limits(problem: Problem, work: Workspace, first: int, near_by: float) -> tuple[int, int]:
-    """Write a row for every limit of a segment or an actuator of which at most `near_by` is left, from row `first` on.
+def add_limits(problem: Problem, work: Workspace, first: int) -> tuple[int, int]:
+    """Write a row for every limit of a segment or an actuator of which nothing is left, from row `first` on.
 
-    `near_by` in the metric: rad, and mean lengths of the segment. The row is the gradient of the slack. Returns the
-    next free row, and bits of a status: TOO_MANY where they do not fit, KINK where a segment that is straight must not
-    bend, as one that is drawn in.
+    The row is the gradient of the slack. Returns the next free row, and bits of a status: TOO_MANY where they do not
+    fit, KINK where a segment that is straight must not bend, as one that is drawn in.
     """
     limits, q, at, capacity, told = problem.limits, work.q, first, work.rows.shape[0], 0
     for k in range(q.shape[0]):
@@ -108,11 +110,11 @@ def add_limits(problem: Problem, work: Workspace, first: int, near_by: float) ->
             return at, v.TOO_MANY
         turning, stretching = limits[k, t.BEND_SCALE], limits[k, t.LENGTH_SCALE]
         low, high = q[k, 2] - limits[k, t.MIN_LENGTH], limits[k, t.MAX_LENGTH] - q[k, 2]
-        if _is_active(low, stretching, near_by):
+        if _is_active(low, stretching):
             _begin(work, at, LENGTH_LIMIT, k, -1, 0, low)
             work.rows[at, 3 * k + 2] = 1.0
             at += 1
-        if _is_active(high, stretching, near_by):
+        if _is_active(high, stretching):
             _begin(work, at, LENGTH_LIMIT, k, -1, 1, high)
             work.rows[at, 3 * k + 2] = -1.0
             at += 1
@@ -121,42 +123,42 @@ def add_limits(problem: Problem, work: Workspace, first: int, near_by: float) ->
         if turning == 0.0:
             continue
         if bends_in_plane(limits, k):
-            at, kink = _add_in_plane(limits, work, at, k, near_by)
+            at, kink = _add_in_plane(limits, work, at, k)
             told |= kink
             continue
-        if cap <= near_by:
+        if cap <= NEAR_BY:
             told |= v.KINK
             continue
         inverse, most = -1.0 / max(bend, 1e-300), limits[k, t.MAX_CURVATURE]
         nx, ny = inverse * q[k, 0], inverse * q[k, 1]
-        if _is_active(limits[k, t.MAX_BEND] - bend, turning, near_by):
+        if _is_active(limits[k, t.MAX_BEND] - bend, turning):
             _begin(work, at, BEND_LIMIT, k, -1, 1, limits[k, t.MAX_BEND] - bend)
             work.rows[at, 3 * k], work.rows[at, 3 * k + 1] = nx, ny
             at += 1
-        if math.isfinite(most) and _is_active(most * q[k, 2] - bend, turning + most * stretching, near_by):
+        if math.isfinite(most) and _is_active(most * q[k, 2] - bend, turning + most * stretching):
             _begin(work, at, CURVATURE_LIMIT, k, -1, 1, most * q[k, 2] - bend)
             put_vec(work.rows, at, 3 * k, (nx, ny, most))
             at += 1
-    at, full = _add_actuators(problem, work, at, near_by)
+    at, full = _add_actuators(problem, work, at)
     return at, told | full
 
 
-def _add_in_plane(limits: Array, work: Workspace, first: int, k: int, near_by: float) -> tuple[int, int]:
+def _add_in_plane(limits: Array, work: Workspace, first: int, k: int) -> tuple[int, int]:
     """The same for the bend of segment `k` in its plane."""
     at, z = first, in_plane(limits, k, work.q[k, 0], work.q[k, 1])
     low, high = plane_range(limits, k, work.q[k, 2])
-    if high - low <= near_by:
+    if high - low <= NEAR_BY:
         return at, v.KINK
     most, growth = curved_bend(limits, k, work.q[k, 2])
     size = 1.0 + growth * limits[k, t.LENGTH_SCALE]
     for i in range(2):
         side = 1.0 - 2.0 * i
         slack = limits[k, t.HIGH_BEND] - z if i == 0 else z - limits[k, t.LOW_BEND]
-        if _is_active(slack, 1.0, near_by):
+        if _is_active(slack, 1.0):
             _begin(work, at, BEND_LIMIT, k, -1, 1, slack)
             put_vec(work.rows, at, 3 * k, (-side * limits[k, t.PLANE], -side * limits[k, t.PLANE + 1], 0.0))
             at += 1
-        if math.isfinite(most) and _is_active(most - side * z, size, near_by):
+        if math.isfinite(most) and _is_active(most - side * z, size):
             _begin(work, at, CURVATURE_LIMIT, k, -1, 1, most - side * z)
             put_vec(work.rows, at, 3 * k, (-side * limits[k, t.PLANE], -side * limits[k, t.PLANE + 1], growth))
             at += 1
@@ -178,7 +180,7 @@ def add_equalities(problem: Problem, work: Workspace, first: int) -> tuple[int, 
     return at, 0
 
 
-def _add_actuators(problem: Problem, work: Workspace, first: int, near_by: float) -> tuple[int, int]:
+def _add_actuators(problem: Problem, work: Workspace, first: int) -> tuple[int, int]:
     limits, table, at = problem.limits, problem.actuation, first
     for j in range(table.shape[0]):
         if is_equality(table, j):
@@ -194,7 +196,7 @@ def _add_actuators(problem: Problem, work: Workspace, first: int, near_by: float
                 square += seen[i] ** 2
         for side in range(2):
             slack = table[j, t.MAX_VALUE] - value if side == 1 else value - table[j, t.MIN_VALUE]
-            if _is_active(slack, math.sqrt(square), near_by):
+            if _is_active(slack, math.sqrt(square)):
                 if at == work.rows.shape[0]:
                     return at, v.TOO_MANY
                 _begin(work, at, ACTUATOR_LIMIT, last, j, side, slack)

@@ -118,7 +118,7 @@ def _of_constraint(
         if kind == SELF_CLEARANCE_LIMIT:
             sides[at, asked[d.RADII] + other] += 1.0
     if kind == ACTUATOR_LIMIT:
-        _of_actuator(problem, asked, lines, work, at, (k, other), upper)
+        _of_actuator(problem, asked, lines, work, at, other, upper)
     if kind == CLEARANCE_LIMIT and asked[d.OBSTACLES] >= 0:
         torque, force = wrench
         first = asked[d.OBSTACLES] + 6 * other
@@ -127,11 +127,8 @@ def _of_constraint(
         put_vec(sides, at, first + 3, force)
 
 
-def _of_actuator(
-    problem: Problem, asked: Array, lines: Array, work: Workspace, at: int, which: tuple[int, int], upper: bool
-) -> None:
-    """`which`: the last segment that the actuator sees, and the number of its limit."""
-    _, j = which
+def _of_actuator(problem: Problem, asked: Array, lines: Array, work: Workspace, at: int, j: int, upper: bool) -> None:
+    """The same of limit `j` of an actuator."""
     if asked[d.ACTUATORS] >= 0:
         work.sides[at, asked[d.ACTUATORS] + 2 * int(lines[j, ACTUATOR_NUMBER]) + (1 if upper else 0)] = (
             -1.0 if upper else 1.0

@@ -139,14 +139,14 @@ def _near(store: Array, tree: Tree, p: Vec, radius: float, count: int, work: Arr
     return number
 
 
-def _sort(work: Array, row: int, count: int) -> None:
-    """Put the first `count` triangles of two rows in the order of their distances."""
+def _sort(work: Array, count: int) -> None:
+    """Put the first `count` triangles of the last two rows in the order of their distances."""
     for a in range(1, count):
-        item, d, b = work[row, a], work[row + 1, a], a
-        while b > 0 and work[row + 1, b - 1] > d:
-            work[row, b], work[row + 1, b] = work[row, b - 1], work[row + 1, b - 1]
+        item, d, b = work[2, a], work[3, a], a
+        while b > 0 and work[3, b - 1] > d:
+            work[2, b], work[3, b] = work[2, b - 1], work[3, b - 1]
             b -= 1
-        work[row, b], work[row + 1, b] = item, d
+        work[2, b], work[3, b] = item, d
 
 
 def _fill(work: Array, count: int, most: float, cell: Array, lists: Array) -> int:
@@ -182,7 +182,7 @@ def list_candidates(table: Array, store: Array, work: Array, cells: Array, lists
                         for k in range(c, min(c + BLOCK, nz)):
                             p = middle(grid, i, j, k)
                             number = _near(store, tree, p, radius, count, work, 2)
-                            _sort(work, 2, number)
+                            _sort(work, number)
                             nearest = int(work[2, 0])
                             at = tree.items + TRIANGLE_SIZE * nearest
                             cells[i, j, k, CELL_DISTANCE], _ = triangles.signed(store, at, normals, nearest, p)

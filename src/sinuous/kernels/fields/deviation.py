@@ -11,13 +11,13 @@ import math
 
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.trees import Tree, closest, item_distance, tree_of
-from sinuous.kernels.maths.vectors import Array, Vec, add, dot, scale, sub
+from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_mat, get_vec, put_mat, scale, sub
 
 DEEPEST = 30
 """Times that a triangle is halved, at most; what is left then counts with its bound."""
 
-TRIANGLE, DEPTH, STACK_SIZE = 0, 9, 10
-"""Columns of a triangle that is still to be looked at: its corners, and how often it was halved."""
+DEPTH, STACK_SIZE = 9, 10
+"""Column of a triangle that is still to be examined, after its corners: how often it was halved."""
 
 NEARLY = 1.02
 """By how many times the bound may be more than what is known to be there."""
@@ -37,18 +37,8 @@ def _largest(store: Array, tree: Tree, item: int, a: Vec, b: Vec, c: Vec) -> flo
 
 
 def _put(stack: Array, at: int, a: Vec, b: Vec, c: Vec, depth: float) -> None:
-    for k in range(3):
-        stack[at, k], stack[at, 3 + k], stack[at, 6 + k] = a[k], b[k], c[k]
+    put_mat(stack, at, 0, (a, b, c))
     stack[at, DEPTH] = depth
-
-
-def _corner(stack: Array, at: int, k: int) -> Vec:
-    return stack[at, 3 * k], stack[at, 3 * k + 1], stack[at, 3 * k + 2]
-
-
-def get_row(points: Array, v: int) -> Vec:
-    """Row `v` of `points` (v, 3)."""
-    return points[v, 0], points[v, 1], points[v, 2]
 
 
 def _square(a: Vec, b: Vec) -> float:
@@ -61,7 +51,7 @@ def nearest(table: Array, store: Array, points: Array, items: Array, squares: Ar
     """Fill `items` (v,), the closest triangle of each of `points` (v, 3), and squared distances `squares` (v,)."""
     tree, near = tree_of(table, 0), 0
     for v in range(points.shape[0]):
-        near, squares[v] = _nearest(store, tree, get_row(points, v), near)
+        near, squares[v] = _nearest(store, tree, get_vec(points, v, 0), near)
         items[v] = near
 
 
@@ -98,7 +88,7 @@ def largest_distance(
     for f in range(first, last):
         u, v, w = faces[f, 0], faces[f, 1], faces[f, 2]
         i, j, k = items[u], items[v], items[w]
-        a, b, c, depth, due = get_row(points, u), get_row(points, v), get_row(points, w), 0.0, 0
+        a, b, c, depth, due = get_vec(points, u, 0), get_vec(points, v, 0), get_vec(points, w, 0), 0.0, 0
         farthest = max(squares[u], squares[v], squares[w])
         while True:
             known = max(known, farthest)
@@ -128,7 +118,7 @@ def largest_distance(
             if due == 0:
                 break
             due -= 1
-            a, b, c, depth = _corner(stack, due, 0), _corner(stack, due, 1), _corner(stack, due, 2), stack[due, DEPTH]
+            (a, b, c), depth = get_mat(stack, due, 0), stack[due, DEPTH]
             i, at_a = _nearest(store, tree, a, i)
             j, at_b = _nearest(store, tree, b, i)
             k, at_c = _nearest(store, tree, c, j)

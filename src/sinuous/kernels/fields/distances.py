@@ -78,13 +78,16 @@ def evaluate(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[flo
     return d, d
 
 
-def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to obstacle `i`, INTERPOLATED or EXACT, and its gradient; see `evaluate`."""
-    return slope_known(scene, i, p, reach, mode, math.inf)
+def slope(scene: Scene, i: int, p: Vec) -> tuple[float, Vec]:
+    """Signed distance of the point `p` to obstacle `i`, and its gradient: exact."""
+    return slope_known(scene, i, p, math.inf, EXACT, math.inf)
 
 
 def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
-    """The same, where the distance in this mode is `known` already, which saves a search; infinite where it is not."""
+    """The same, INTERPOLATED or EXACT, of what is nearer than `reach`; see `evaluate`.
+
+    Where the distance in this mode is `known` already that saves a search; infinite where it is not.
+    """
     if scene.table[i, t.KIND] >= t.TREE:
         d, g = solids.slope(scene.table, scene.store, i, _own(scene, i, p), reach, mode, known)
         if scene.table[i, t.PLACED] != 0.0:
@@ -246,14 +249,14 @@ def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
     return closest(scene, p, math.inf, EXACT)
 
 
-def at_most(scene: Scene, p: Vec, reach: float) -> float:
+def at_most(scene: Scene, p: Vec) -> float:
     """Upper bound of the distance of the point `p` to the scene, whatever arithmetic does to that.
 
     But for that it is exact, unless only samples are known; infinite where these bound nothing.
     """
     if is_large(scene):
-        return float(search(scene, p, reach, UPPER_BOUND, 1.0, -1)[0])
-    least = reach
+        return float(search(scene, p, math.inf, UPPER_BOUND, 1.0, -1)[0])
+    least = math.inf
     for i in range(scene.table.shape[0]):
         roundoff = scene.table[i, t.ROUNDOFF]
         least = min(least, evaluate(scene, i, p, least - roundoff, UPPER_BOUND)[0] + roundoff)
@@ -294,7 +297,7 @@ def many(
         values[j], which[j], there = d, found, p
         above[j] = closest(scene, p, math.inf, UPPER_BOUND)[0] if uncertain else values[j]
         if which[j] >= 0:
-            _, g = slope(scene, which[j], p, math.inf, EXACT)
+            _, g = slope(scene, which[j], p)
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = g
         else:
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = 0.0, 0.0, 0.0

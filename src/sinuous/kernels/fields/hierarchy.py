@@ -14,7 +14,7 @@ from sinuous.kernels.maths.vectors import Array, Vec, norm
 LEAST_SQUARE = 1e-300
 """Square of a distance that counts as none: who is in a box may be in the obstacle."""
 
-CELLS_MIDDLE, CELLS_HALF, CELLS_ROOT, CELLS_SIZE = 0, 3, 4, 5
+CELLS_HALF, CELLS_ROOT, CELLS_SIZE = 3, 4, 5
 """Numbers that the cells of a scene begin with: middle (3) and half edge of the largest, and its value. A value is the
 place in the store of the values of eight smaller cells, less the place of a list, or 0 where there is none."""
 

@@ -5,12 +5,8 @@
 """
 
 from sinuous.kernels.compile import entry
-from sinuous.kernels.maths.vectors import Array, Vec, dot, sub
+from sinuous.kernels.maths.vectors import Array, dot, get_vec, sub
 from sinuous.kernels.tables import NODE_SIZE
-
-
-def _corner(corners: Array, i: int, k: int) -> Vec:
-    return corners[i, k, 0], corners[i, k, 1], corners[i, k, 2]
 
 
 def _boxes_meet(corners: Array, i: int, j: int) -> bool:
@@ -32,10 +28,10 @@ def _meets_node(corners: Array, i: int, nodes: Array, node: int) -> bool:
 
 def _reaches_across(corners: Array, normals: Array, i: int, j: int, slack: float) -> bool:
     """Whether triangle `j` reaches to both sides of the plane of triangle `i`."""
-    n, at = (normals[i, 0], normals[i, 1], normals[i, 2]), _corner(corners, i, 0)
-    a = dot(sub(_corner(corners, j, 0), at), n)
-    b = dot(sub(_corner(corners, j, 1), at), n)
-    c = dot(sub(_corner(corners, j, 2), at), n)
+    n, at = get_vec(normals, i, 0), get_vec(corners[i], 0, 0)
+    a = dot(sub(get_vec(corners[j], 0, 0), at), n)
+    b = dot(sub(get_vec(corners[j], 1, 0), at), n)
+    c = dot(sub(get_vec(corners[j], 2, 0), at), n)
     return min(a, b, c) <= slack and max(a, b, c) >= -slack
 
 

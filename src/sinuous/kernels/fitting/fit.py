@@ -255,5 +255,5 @@ def fit_route(
         at = fit_chain(problem, states, work, curve_through(route))
     else:
         copy(q, pick(states, 0).q)
-        at = draw_to_targets(problem, states, 0, work)
+        at = draw_to_targets(problem, states, work)
     copy(pick(states, at).q, q)

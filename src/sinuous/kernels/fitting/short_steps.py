@@ -38,12 +38,12 @@ def _hold_back(problem: Problem, state: State) -> None:
             rows.value[i] = min(rows.value[i], reach / problem.unit)
 
 
-def draw_to_targets(problem: Problem, states: State, at: int, work: Work) -> int:
-    """Draw the chain of state `at` to the targets, as far as the time allows; returns the state with the result.
+def draw_to_targets(problem: Problem, states: State, work: Work) -> int:
+    """Draw the chain of state 0 to the targets, as far as the time allows; returns the state with the result.
 
     States 0 and 1 take turns.
     """
-    n = problem.limits.shape[0]
+    at, n = 0, problem.limits.shape[0]
     project_to_limits(problem, pick(states, at), work)
     for _ in range(MOST_STEPS):
         state = pick(states, at)

@@ -34,10 +34,7 @@ Side = namedtuple("Side", ["before", "cost", "length", "points", "done", "priori
 """What the search from one end notes. By number of the cell: `before` (c,) int32, the cell that the route comes from
 (NONE: it begins here); `cost` (c,) and `length` (c,) float32 of the route; `points` (c, 3), where it enters the
 cell; `done` (c,) uint8, whether its cost is final. And the heap of cells that are open, see `heap`: `priority` (c,),
-`items` (c,) int32 and `size` (2,) int64: how many there are, and how many cells are done."""
-
-OPEN, DONE = range(2)
-"""Places in the `size` of a side."""
+`items` (c,) int32 and `size` (1,) int64: how many there are."""
 
 Memory = namedtuple("Memory", ["table", "sides", "points", "stack", "clock"])
 """All that a search works in: table, both sides (arrays with one more axis in front, see `pick`), `points` (m, 3) of a
@@ -60,7 +57,7 @@ STACK = 128
 
 def memory_size(most: int) -> int:
     """Numbers (float64) that a search works in that meets `most` cells, a power of two from 64 on: 118 bytes a cell."""
-    return 14 * most + 5 * (most // 8) + most // 16 + 3 * LINE_POINTS + STACK + CLOCK_SIZE + 8
+    return 14 * most + 5 * (most // 8) + most // 16 + 3 * LINE_POINTS + STACK + CLOCK_SIZE + 6
 
 
 def carve(buffer: Array, most: int) -> Memory:
@@ -76,18 +73,18 @@ def carve(buffer: Array, most: int) -> Memory:
         shaped(small[: 2 * eighth].view(np.uint8), (2, c)),
         shaped(buffer[10 * c : 12 * c], (2, c)),
         shaped(buffer[12 * c : 13 * c].view(np.int32), (2, c)),
-        shaped(rest[:4].view(np.int64), (2, 2)),
+        shaped(rest[:2].view(np.int64), (2, 1)),
     )
     table = CellTable(
         small[2 * eighth : 3 * eighth].view(np.int32),
-        rest[4:8].view(np.int64),
+        rest[2:6].view(np.int64),
         small[3 * eighth : 4 * eighth].view(np.int64),
         small[5 * eighth : 5 * eighth + (eighth >> 1)].view(np.int32),
         buffer[13 * c : 14 * c],
         small[4 * eighth : 5 * eighth].view(np.uint8),
     )
-    stack, clock = rest[8 : 8 + STACK].view(np.int64), rest[8 + STACK :][:CLOCK_SIZE].view(np.int64)
-    points = shaped(rest[8 + STACK + CLOCK_SIZE :][: 3 * LINE_POINTS], (LINE_POINTS, 3))
+    stack, clock = rest[6 : 6 + STACK].view(np.int64), rest[6 + STACK :][:CLOCK_SIZE].view(np.int64)
+    points = shaped(rest[6 + STACK + CLOCK_SIZE :][: 3 * LINE_POINTS], (LINE_POINTS, 3))
     return Memory(table, sides, points, stack, clock)
 
 
@@ -179,7 +176,7 @@ def restart(memory: Memory) -> None:
     sides = memory.sides
     memory.table.size[OVERFLOW] = 0
     for i in range(2):
-        sides.size[i, OPEN], sides.size[i, DONE] = 0, 0
+        sides.size[i, 0] = 0
         for cell in range(8 * memory.table.size[BLOCKS]):
             sides.cost[i, cell], sides.done[i, cell] = math.inf, 0
 
@@ -187,13 +184,13 @@ def restart(memory: Memory) -> None:
 def push(memory: Memory, which: int, priority: float, cell: int) -> None:
     """Put a cell into the heap of a side, if there is a place for it."""
     side = pick(memory.sides, which)
-    if side.size[OPEN] == side.items.shape[0]:
+    if side.size[0] == side.items.shape[0]:
         memory.table.size[OVERFLOW] = 1
         return
-    side.size[OPEN] = heap.push(side.priority, side.items, side.size[OPEN], priority, cell)
+    side.size[0] = heap.push(side.priority, side.items, side.size[0], priority, cell)
 
 
 def pop(side: Side) -> int:
     """Take out a cell of the least priority; there must be one."""
-    cell, side.size[OPEN] = heap.pop(side.priority, side.items, side.size[OPEN])
+    cell, side.size[0] = heap.pop(side.priority, side.items, side.size[0])
     return int(cell)

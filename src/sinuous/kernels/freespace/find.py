@@ -11,9 +11,6 @@ from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route
 from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
 from sinuous.kernels.tables import CLOSED, FOUND, PROVED_CLOSED
 
-PENALIZED_CELLS = 2
-"""Cells on all sides of a route that are made dearer before the next one is searched for."""
-
 
 def _chain(memory: Memory, which: int, met: int) -> int:
     """How many cells lead from the one where both sides met to the end of a side; that one is not counted."""
@@ -86,7 +83,7 @@ def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Arr
         counts[count] = points
         count += 1
         if count < routes.shape[0]:
-            penalize(memory, grid, scene, met, PENALIZED_CELLS)
+            penalize(memory, grid, scene, met)
             restart(memory)
     return count, ended
 

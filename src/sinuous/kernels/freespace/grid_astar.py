@@ -23,9 +23,7 @@ from sinuous.kernels.freespace.cells import (
     BLOCKED,
     BLOCKS,
     DIVIDED,
-    DONE,
     NONE,
-    OPEN,
     OVERFLOW,
     UNKNOWN,
     Memory,
@@ -52,6 +50,9 @@ SMOOTHED = 0.9
 
 DETOUR = 2.0
 """Surcharge on a unit of length near a route that is known already, so that the next one differs."""
+
+PENALIZED_CELLS = 2
+"""Cells on all sides of a route that are made dearer before the next one is searched for."""
 
 SEEDS = 0.25
 """Most of the table that the cells about one end may take. About a larger ball nothing is searched from: the other side
@@ -304,7 +305,7 @@ def _examine_neighbours(memory: Memory, grid: SearchGrid, scene: Scene, which: i
 
 def _least(side: Side) -> float:
     """Least priority of a side; infinite when it is dry."""
-    return side.priority[0] if side.size[OPEN] > 0 else math.inf
+    return side.priority[0] if side.size[0] > 0 else math.inf
 
 
 def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
@@ -334,27 +335,26 @@ def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
             return FOUND, met
         if max(least_from_goal, least_from_start) == math.inf:
             return CLOSED, NONE
-        fewer = start_side.size[OPEN] < goal_side.size[OPEN]
+        fewer = start_side.size[0] < goal_side.size[0]
         which = FROM_START if from_start and (fewer or not from_goal) else FROM_GOAL
         side = pick(sides, which)
         cell = pop(side)
         if side.done[cell] != 0:
             continue
         side.done[cell] = 1
-        side.size[DONE] += 1
         if sides.done[1 - which, cell] != 0 and met != NONE:
             return FOUND, met
         met = _examine_neighbours(memory, grid, scene, which, cell, met)
 
 
-def penalize(memory: Memory, grid: SearchGrid, scene: Scene, met: int, around: int) -> None:
-    """Make the route through the cell `met`, and cells up to `around` cells from it, dearer: about large ones, one."""
+def penalize(memory: Memory, grid: SearchGrid, scene: Scene, met: int) -> None:
+    """Make the route through the cell `met`, and cells beside it, dearer; about large ones only those that touch."""
     table = memory.table
     for which in range(2):
         cell = met
         while cell != NONE:
             level, x, y, z = numbers_of(key_in(table, cell))
-            reach = around if level == 0 else 1
+            reach = PENALIZED_CELLS if level == 0 else 1
             for i in range(-reach, reach + 1):
                 for j in range(-reach, reach + 1):
                     for k in range(-reach, reach + 1):

@@ -9,8 +9,9 @@ from collections import namedtuple
 from sinuous.kernels import tables as t
 from sinuous.kernels.fields.distances import Scene, most_roundoff
 from sinuous.kernels.fields.solids import INTERPOLATED, UPPER_BOUND
+from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid
-from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled
+from sinuous.kernels.maths.vectors import ZERO, Array, add_scaled
 
 INFLATION = 2.0
 """See `grid.Grid`: among obstacles a route costs more than its length, and to find the cheapest one is far dearer."""
@@ -32,17 +33,13 @@ Query = namedtuple(
 """The numbers of a query by their names, see `sinuous.kernels.tables`."""
 
 
-def _vector(query: Array, at: int) -> Vec:
-    return query[at], query[at + 1], query[at + 2]
-
-
 def read_query(query: Array) -> Query:
     """Take a query (QUERY_WIDTH,) apart."""
     return Query(
-        _vector(query, t.QUERY_ORIGIN),
-        _vector(query, t.QUERY_AXIS),
-        _vector(query, t.QUERY_GOAL),
-        _vector(query, t.QUERY_NORMAL),
+        read(query, t.QUERY_ORIGIN),
+        read(query, t.QUERY_AXIS),
+        read(query, t.QUERY_GOAL),
+        read(query, t.QUERY_NORMAL),
         query[t.QUERY_GOAL_RADIUS],
         query[t.QUERY_GOAL_SLACK],
         query[t.QUERY_RADIUS],

@@ -31,7 +31,6 @@ from sinuous.kernels.growing.beam import (
     SCORE,
     SEGMENT_BEFORE_Q,
     Beam,
-    beam_size,
     carve_beam,
     differs,
     empty_buckets,
@@ -72,8 +71,6 @@ ARCS_PER_CHAIN = 2
 
 ARC_WORK = 100
 """Distances that one arc takes, about."""
-
-growing_size = beam_size
 
 
 def _tangent(start: Start) -> Vec:
@@ -226,7 +223,7 @@ def grow_chains(
     seconds : float
         Budget.
     workspace : ndarray (s,)
-        Scratch, see `growing_size`.
+        Scratch, see `beam.beam_size`.
     levels : ndarray (m + 1, w, CHAIN_WIDTH)
         Filled with the chains of every number of segments up to m, the best first, see `beam`; w is a power of two.
     counts : ndarray (m + 1,) int64

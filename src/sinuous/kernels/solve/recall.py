@@ -8,6 +8,7 @@ import math
 from sinuous.kernels import tables as t
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.step.targets import end_segment
 
 ANGLE_WEIGHT = 0.5
 """Share of the robot's mean length that counts as far as 1 rad."""
@@ -17,8 +18,7 @@ def _misses(pose: Array, targets: Array, length: float) -> float:
     """Square of how far the ends (n, 12) of the segments of a shape are from all targets (t, 15), in mean lengths."""
     total = 0.0
     for i in range(targets.shape[0]):
-        segment = int(targets[i, t.TARGET_SEGMENT])
-        k = segment if segment >= 0 else pose.shape[0] - 1
+        k = end_segment(targets, i, pose.shape[0])
         if targets[i, t.HAS_POSITION] > 0.0:
             for j in range(3):
                 off = (pose[k, t.POSE_POSITION + j] - targets[i, t.TARGET_POSITION + j]) / length

@@ -121,7 +121,7 @@ def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bo
         return False
     place, loose = backbone_end(problem, i, k)
     loose += problem.position_tolerance
-    return bool(at_most(scene, place, math.inf) + loose < problem.limits[k, t.RADIUS] - 1e-9 * problem.unit)
+    return bool(at_most(scene, place) + loose < problem.limits[k, t.RADIUS] - 1e-9 * problem.unit)
 
 
 @shared

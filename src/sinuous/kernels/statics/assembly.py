@@ -132,7 +132,7 @@ def _add_lines(x: Array, lines: Array, tensions: Array, k: int, end: Profile, st
             for j in range(4):
                 along_arcs[row, 1 + j] = slope[j]
                 stages[k, t.GRADIENT + j] += tensions[i] * slope[j]
-            add_curved(stages, k, t.HESSIAN, tensions[i], curved)
+            add_curved(stages, k, tensions[i], curved)
 
 
 def _add_weight(

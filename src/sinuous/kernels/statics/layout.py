@@ -23,8 +23,6 @@ in the frame of its end in which the next begins (12); of segments zeros."""
 
 TAIL_WIDTH = 13
 
-SECTION_WIDTH = SECTION_TAIL + TAIL_WIDTH
-
 (BEND_STIFFNESS, TORSION_STIFFNESS, STRETCH_STIFFNESS, REST_X, REST_Y, REST_LENGTH, WEIGHT) = range(7)
 """Columns of `arcs` (N, 22). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
 length without any load; weight (3, force in the world). Bends without load turn with half of the torsion. What follows

@@ -12,6 +12,7 @@ The first follows from the place `(y + G (l - v . y) v, S (l - v . y))` of y at 
 import math
 
 from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.statics.layout import HESSIAN
 from sinuous.kernels.statics.profile import Profile
 
 Slope = tuple[float, float, float, float]
@@ -99,12 +100,12 @@ def along(vx: float, vy: float, torsion: float, length: float, hx: float, hy: fl
     return _rooted(a * a + square * torsion * torsion, slope, curved, hx, hy)
 
 
-def add_curved(stages: Array, k: int, first: int, tension: float, curved: Curved) -> None:
-    """Add second derivatives, times a tension, to the matrix (4, 4) of arc `k` from column `first` on."""
+def add_curved(stages: Array, k: int, tension: float, curved: Curved) -> None:
+    """Add second derivatives, times a tension, to those of arc `k`."""
     at = 0
     for i in range(4):
         for j in range(i, 4):
-            stages[k, first + 4 * i + j] += tension * curved[at]
+            stages[k, HESSIAN + 4 * i + j] += tension * curved[at]
             if j > i:
-                stages[k, first + 4 * j + i] += tension * curved[at]
+                stages[k, HESSIAN + 4 * j + i] += tension * curved[at]
             at += 1

@@ -38,8 +38,7 @@ NORMS = 7
 def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
     """Numbers (float64) that a solve needs as workspace."""
     capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
-    rows, pairs = segments + 1 + 28 * capacity, MOST_PAIRS * (1 + 3 * segments)
-    state = 33 * segments + 12 + NORMS + rows + pairs
+    state = 33 * segments + 12 + NORMS + rows_size(segments, capacity) + MOST_PAIRS * pair_width(segments)
     return STATES * state + 19 * segments + obstacles + CLOCK_SIZE + rest_size(segments)
 
 

@@ -15,7 +15,7 @@ from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.fields.distances import slope, work_of
-from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
+from sinuous.kernels.fields.solids import LOWER_BOUND
 from sinuous.kernels.maths.vectors import Vec, add, dot, get_vec, mat_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import RADIUS
@@ -62,7 +62,7 @@ def _steepness(
     turn, shift = pose(s * control.q[k, 0], s * control.q[k, 1], s * control.q[k, 2])
     p = add(position, mat_vec(rotation, shift))
     tangent = mat_vec(rotation, (turn[0][2], turn[1][2], turn[2][2]))
-    d, g = slope(problem.scene, i, p, math.inf, EXACT)
+    d, g = slope(problem.scene, i, p)
     return d, dot(g, tangent), g, p
 
 

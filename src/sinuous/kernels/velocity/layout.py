@@ -113,10 +113,10 @@ def most_constraints(segments: int) -> int:
 def control_size(segments: int, obstacles: int, targets: int, actuators: int) -> int:
     """Numbers (float64) that `carve_control` takes from a buffer."""
     n, b, r = segments, most_bounds(segments, obstacles, actuators), most_constraints(segments)
-    rows = n + 1 + 28 * max(6, 6 * targets)
+    rows = rows_size(n, max(6, 6 * targets))
     own = 6 * n + 12 * (n + 1) + 18 * n + rows + 15 * n + b * (3 * n + BOUND_WIDTH) + obstacles
     working = r * (6 * n + CONSTRAINT_WIDTH + r + r + 1) + 2 * r + 6 * n
-    return own + MOST_PAIRS * (1 + 3 * n) + SPAN_WIDTH * (n + 1) + working + sweep_size(n, obstacles)
+    return own + MOST_PAIRS * pair_width(n) + SPAN_WIDTH * (n + 1) + working + sweep_size(n, obstacles)
 
 
 def read_asked(asked: Array, n: int) -> StepRequest:

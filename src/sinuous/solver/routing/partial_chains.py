@@ -28,9 +28,10 @@ from sinuous.kernels.growing.beam import (
     PARENT,
     SCORE,
     SEGMENT_BEFORE_Q,
+    beam_size,
 )
 from sinuous.kernels.growing.detours import LONG_ENOUGH, MOST_DETOURS, NUMBERS, add_detours, detours_size
-from sinuous.kernels.growing.grow import grow_chains, growing_size
+from sinuous.kernels.growing.grow import grow_chains
 from sinuous.kernels.growing.turning import turn_round
 from sinuous.kernels.packing import robot_parts
 from sinuous.kernels.solve.search import search
@@ -481,7 +482,7 @@ class GrownChains:
         self.segments = segments_of(groups)[len(legs) - 1] + 1
         self.counts = np.zeros((n if most is None else most) + 1, np.int64)
         self._levels = levels = np.zeros((len(self.counts), width, CHAIN_WIDTH))
-        workspace = np.empty(growing_size(obstacles, width))
+        workspace = np.empty(beam_size(obstacles, width))
         self.open: bool = grow_chains(
             *groups, legs, terminal_poses, open_from, max(0.0, seconds), workspace, levels, self.counts
         )

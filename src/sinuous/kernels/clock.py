@@ -141,6 +141,12 @@ def allow(clock: Array, seconds: float) -> float:
     return 1e-9 * read
 
 
+def begin_for(clock: Array, seconds: float) -> None:
+    """Begin a call from Python that is allowed so many seconds."""
+    begin(clock)
+    allow(clock, seconds)
+
+
 def allow_work(clock: Array, units: float) -> None:
     """Allow so many work units from now on, however long they take."""
     clock[DEADLINE] = -int(max(0.0, min(units, LONGEST / WORK_UNIT)))

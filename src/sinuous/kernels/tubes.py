@@ -13,7 +13,7 @@ is followed both ways.
 
 import math
 
-from sinuous.kernels.clock import allow, begin, spend
+from sinuous.kernels.clock import begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, coarseness, read_scene, work_of_all
 from sinuous.kernels.fields.primitives import axis_of
@@ -183,8 +183,7 @@ def follow_tube(
         How many points there are, and how the tube ends: NO_TUBE, MOUTH, END, BRANCH or UNENDED.
     """
     obstacles = read_scene(scene)
-    begin(clock)
-    allow(clock, seconds)
+    begin_for(clock, seconds)
     put_vec(points, 0, 0, get_vec(start, 0, 0))
     return follow_from(obstacles, get_vec(start, 1, 0), sizes, clock, points)
 
@@ -349,8 +348,7 @@ def find_tubes(
         How many tubes there are.
     """
     obstacles = read_scene(scene)
-    begin(clock)
-    allow(clock, seconds)
+    begin_for(clock, seconds)
     tables, found = (points, ends, clock), (0, 0, 0)
     for i in range(obstacles.table.shape[0]):
         if obstacles.table[i, KIND] == BOX and obstacles.table[i, SIGN] > 0.0:

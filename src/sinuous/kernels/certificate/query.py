@@ -4,7 +4,7 @@ from sinuous.kernels.body.proof import UNDECIDED
 from sinuous.kernels.certificate.obstacles import Accuracy, measure_balls
 from sinuous.kernels.certificate.proof import certify, certify_from
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion, carve_sweep
-from sinuous.kernels.clock import allow, allow_work, begin, late, work_left
+from sinuous.kernels.clock import allow_work, begin_for, late, work_left
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import read_scene
 from sinuous.kernels.maths.buffers import cut
@@ -45,8 +45,7 @@ def certify_motions(
     own, around = read_robot(robot), read_scene(scene)
     mount, slack, finest, seconds, units = terms
     sweep = carve_sweep(workspace, own.base, own.limits.shape[0], around.table.shape[0])
-    begin(sweep.clock)
-    allow(sweep.clock, seconds)
+    begin_for(sweep.clock, seconds)
     if units > 0.0:
         allow_work(sweep.clock, units)
     accuracy = Accuracy(slack, finest, 0.0, mount, False)

@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.pieces import MANY
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
-from sinuous.kernels.chain.kinematics import forward, frame, interpolate, put_frame
+from sinuous.kernels.chain.kinematics import forward, interpolate, put_base
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.maths.buffers import cut, cut_whole
@@ -59,9 +59,8 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     large = m >= MANY_OBSTACLES
     q, rest = cut(buffer, KNOTS, n, 3)
     frames, rest = cut(rest, KNOTS, n + 1, 12)
-    rotation, position = frame(base, 0)
     for at in range(KNOTS):
-        put_frame(frames[at], 0, rotation, position)
+        put_base(frames[at], base)
     spans, rest = cut(rest, KNOTS, n + 1, SPAN_WIDTH)
     rates, rest = cut(rest, n, MOTION_RATES_WIDTH)
     paces, rest = cut(rest, m, PACE_WIDTH)

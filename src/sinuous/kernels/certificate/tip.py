@@ -8,7 +8,7 @@ The tip's acceleration is bounded as `sweep` says. So between two of its places,
 
 import math
 
-from sinuous.kernels.chain.kinematics import compose, forward, frame, interpolate, put_frame
+from sinuous.kernels.chain.kinematics import compose, forward, frame, interpolate, put_base
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_vec, norm, scale, sub, transpose
 from sinuous.kernels.problem import read_robot
@@ -53,8 +53,7 @@ def leave_line(robot: Array, ends: Array, line: Array, enough: float, q: Array, 
     acceleration = tip_acceleration(own.limits, ends[0], ends[1], norm(shift))
     if acceleration <= 8.0 * enough:
         return acceleration / 8.0
-    rotation, position = frame(own.base, 0)
-    put_frame(frames, 0, rotation, position)
+    put_base(frames, own.base)
     begin = get_vec(line, 0, 0)
     along, far = sub(get_vec(line, 1, 0), begin), 0.0
     for i in range(TIP_PIECES + 1):
@@ -80,8 +79,7 @@ def turn_off(robot: Array, ends: Array, line: Array, turn: Array, q: Array, fram
     """
     own = read_robot(robot)
     offset, shift = frame(own.tool, 0)
-    rotation, position = frame(own.base, 0)
-    put_frame(frames, 0, rotation, position)
+    put_base(frames, own.base)
     begin, axis = get_vec(line, 0, 0), get_vec(turn, 0, 0)
     along, angle, three = sub(get_vec(line, 1, 0), begin), turn[1, 0], turn[1, 1] > 1.0
     most = 0.0

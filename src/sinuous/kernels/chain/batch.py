@@ -1,6 +1,6 @@
 """Kinematics of many configurations at once: what `Robot` offers, compiled."""
 
-from sinuous.kernels.chain.kinematics import body_point, forward, forward_with_columns, frame, put_frame
+from sinuous.kernels.chain.kinematics import body_point, forward, forward_with_columns, frame, put_base
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, add, cross, get_vec, mat_vec, put_vec, sub
 
@@ -8,9 +8,8 @@ from sinuous.kernels.maths.vectors import Array, add, cross, get_vec, mat_vec, p
 @entry
 def frames_of(limits: Array, q: Array, base: Array, out: Array) -> None:
     """Fill `out` (m, n + 1, 12) with the frames of all configurations `q` (m, n, 3)."""
-    rotation, position = frame(base, 0)
     for i in range(q.shape[0]):
-        put_frame(out[i], 0, rotation, position)
+        put_base(out[i], base)
         forward(limits, q[i], out[i])
 
 

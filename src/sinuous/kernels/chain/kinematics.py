@@ -53,6 +53,12 @@ def put_frame(frames: Array, k: int, rotation: Mat, position: Vec) -> None:
     put_vec(frames, k, 9, position)
 
 
+def put_base(frames: Array, base: Array) -> None:
+    """Let frames begin with a base (1, 12)."""
+    rotation, position = frame(base, 0)
+    put_frame(frames, 0, rotation, position)
+
+
 def _past_rigid(limits: Array, k: int, bend: float, length: float, rotation: Mat, position: Vec) -> tuple[Mat, Vec]:
     """The frame in which the row after a joint or a link begins, of that in which it begins.
 

@@ -13,7 +13,7 @@ from collections import namedtuple
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
-from sinuous.kernels.chain.kinematics import frame, put_frame
+from sinuous.kernels.chain.kinematics import put_base
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array
 
@@ -90,8 +90,7 @@ def carve_workspace(
     n, r, p = sizes
     q, rest = cut(buffer, n, 3)
     frames, rest = cut(rest, n + 1, 12)
-    rotation, position = frame(base, 0)
-    put_frame(frames, 0, rotation, position)
+    put_base(frames, base)
     columns, rest = cut(rest, n, 18)
     near, rest = cut_whole(rest, obstacles)
     spans, rest = cut(rest, n + 1, SPAN_WIDTH)

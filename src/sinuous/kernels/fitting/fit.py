@@ -8,7 +8,7 @@ import math
 
 from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
-from sinuous.kernels.clock import SEGMENT_WORK, allow, begin, spend
+from sinuous.kernels.clock import SEGMENT_WORK, begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, obstacle, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
@@ -249,8 +249,7 @@ def fit_route(
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
-    begin(work.clock)
-    allow(work.clock, seconds)
+    begin_for(work.clock, seconds)
     if route.shape[0] > 0:
         at = fit_chain(problem, states, work, curve_through(route))
     else:

@@ -1,6 +1,6 @@
 """The door: routes of a ball through free space, from one place to another, and the proof that there are none."""
 
-from sinuous.kernels.clock import allow, begin
+from sinuous.kernels.clock import begin_for
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
@@ -115,7 +115,6 @@ def find_routes(
     """
     obstacles, asked = read_scene(scene), read_query(query)
     memory = carve(buffer, asked.most_cells)
-    begin(memory.clock)
-    allow(memory.clock, seconds)
+    begin_for(memory.clock, seconds)
     count, ended = _find(memory, obstacles, asked, routes, counts)
     return count, ended, int(memory.table.size[EVALUATED])

@@ -17,7 +17,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
+from sinuous.kernels.clock import CLOCK_SIZE, begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene, work_of_all
 from sinuous.kernels.fields.solids import EXACT, LOWER_BOUND
@@ -103,12 +103,6 @@ def _tighten_once(scene: Scene, curve: Array, keep: float, spare: Array, clock: 
     respace(spare, corners + 1, curve, last + 1)
 
 
-def _begin(clock: Array, seconds: float) -> None:
-    """Begin a call from Python that has so many seconds."""
-    begin(clock)
-    allow(clock, seconds)
-
-
 @entry
 def draw_tight(scene: Array, curve: Array, keep: float, seconds: float, workspace: Array) -> None:
     """Draw a curve tight by a deformation that stays clear; its ends stay.
@@ -127,7 +121,7 @@ def draw_tight(scene: Array, curve: Array, keep: float, seconds: float, workspac
         Scratch, see `homotopy_workspace_size`.
     """
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
-    _begin(clock, seconds)
+    begin_for(clock, seconds)
     count = curve.shape[0]
     spare, _ = cut(workspace[CLOCK_SIZE:], count, 3)
     for _ in range(PASSES):
@@ -194,7 +188,7 @@ def deforms(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
         Scratch, see `homotopy_workspace_size`.
     """
     clock = workspace[:CLOCK_SIZE].view(np.int64)
-    _begin(clock, seconds)
+    begin_for(clock, seconds)
     return _lead_leash(read_scene(scene), a, b, keep, _carve(workspace, a.shape[0]), clock)
 
 
@@ -233,7 +227,7 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
         Whether all of the curve keeps nearly that distance, and it is no longer than both together.
     """
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
-    _begin(clock, seconds)
+    begin_for(clock, seconds)
     count = a.shape[0]
     spare, _ = cut(workspace[CLOCK_SIZE:], count, 3)
     most = 0.0
@@ -281,7 +275,7 @@ def trace_lines(
         where there was no time to know.
     """
     obstacles, clock = read_scene(scene), workspace[:CLOCK_SIZE].view(np.int64)
-    _begin(clock, seconds)
+    begin_for(clock, seconds)
     units = work_of_all(obstacles)
     for i in range(starts.shape[0]):
         lengths[i], which[i] = _follow_line(obstacles, get_vec(starts, i, 0), get_vec(ends, i, 0), keep, units, clock)

@@ -6,7 +6,7 @@ does not say: a chain that spends its length as it goes seldom ends up where it 
 
 import math
 
-from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
+from sinuous.kernels.clock import CLOCK_SIZE, begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, read_scene, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
@@ -87,8 +87,7 @@ def add_detours(
     clock, rest = cut_whole(workspace, CLOCK_SIZE)
     away, rest = cut(rest, count)
     line, _ = cut(rest, count + 1, 3)
-    begin(clock)
-    allow(clock, seconds)
+    begin_for(clock, seconds)
     copy(points, line)
     spacing = respace(line, count, points, count)
     units = SIGHT_EVALUATIONS * work_of_all(obstacles)

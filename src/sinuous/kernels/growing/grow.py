@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from sinuous.kernels.chain.kinematics import frame, put_frame
-from sinuous.kernels.clock import SEGMENT_WORK, allow, begin, spend
+from sinuous.kernels.clock import SEGMENT_WORK, begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
@@ -231,8 +231,7 @@ def grow_chains(
     """
     problem = read_problem(robot, scene, settings, targets)
     beam = carve_beam(levels, workspace, problem.scene.table.shape[0])
-    begin(beam.clock)
-    allow(beam.clock, seconds)
+    begin_for(beam.clock, seconds)
     for k in range(counts.shape[0]):
         counts[k] = 0
     counts[0] = min(roots.shape[0], levels.shape[1])

@@ -6,7 +6,7 @@
 from sinuous.kernels.certificate.obstacles import keep_reachable, measure_balls
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion, carve_sweep
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.clock import DEADLINE, allow, begin, resume
+from sinuous.kernels.clock import DEADLINE, allow, begin_for, resume
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths import buffers
@@ -131,8 +131,7 @@ def _prepare(
     levers, rest = buffers.cut(workspace, n)
     seen, rest = buffers.cut(rest, 2, CLEARANCES_WIDTH)
     pair, rest = buffers.cut(rest, 2, n, 3)
-    begin(sweep.clock)
-    allow(sweep.clock, seconds)
+    begin_for(sweep.clock, seconds)
     keep_reachable(own.limits, frame(own.base, 0)[1], around, sweep)
     measure_balls(Motion(own.limits, pair[0], pair[1], around, own.avoids_itself, sweep.still), sweep)
     return Space(own, around, mount, levers, sweep, seen), pair, rest

@@ -6,7 +6,7 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
+from sinuous.kernels.clock import CLOCK_SIZE, begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene, work_of_all
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
@@ -217,8 +217,7 @@ def find_by_edges(
         How many points it has; 0 where none was found, which proves nothing.
     """
     roadmap = _carve(buffer, route.shape[0])
-    begin(roadmap.clock)
-    allow(roadmap.clock, seconds)
+    begin_for(roadmap.clock, seconds)
     if seconds <= 0.0:  # a straight route takes fewer evaluations than pass before the time is read
         return 0
     return _find_route(roadmap, read_scene(scene), read_query(query), edges, triangles, route)

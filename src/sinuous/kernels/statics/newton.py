@@ -6,6 +6,7 @@ they are in the world, too.
 
 from collections import namedtuple
 
+from sinuous.kernels.chain.kinematics import put_base
 from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, copy, norm
@@ -67,8 +68,7 @@ LENGTHS, WANTED, TENSIONS, TAUT, TENSION_CHANGE, TENSION_BEFORE, TENSION_KEPT = 
 def carve(buffer: Array, base: Array, arcs: int, lines: int, slopes: int) -> tuple[Workspace, Array]:
     """Lay out the space in a buffer, its first frame the base (1, 12); returns what is left of the buffer, too."""
     frames, rest = cut(buffer, arcs + 1, 12)
-    for j in range(12):
-        frames[0, j] = base[0, j]
+    put_base(frames, base)
     stages, rest = cut(rest, arcs, t.STAGE_WIDTH)
     along, rest = cut(rest, slopes, 5)
     changes, rest = cut(rest, lines * arcs, t.STATE_WIDTH)

@@ -6,7 +6,7 @@ from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
-from sinuous.kernels.chain.kinematics import frame, put_frame
+from sinuous.kernels.chain.kinematics import put_base
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.buffers import cut, cut_whole
@@ -59,9 +59,8 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
     capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if obstacles > 0 else 0)
     q, rest = cut(buffer, c, n, 3)
     frames, rest = cut(rest, c, n + 1, 12)
-    rotation, position = frame(problem.base, 0)
     for i in range(c):
-        put_frame(frames[i], 0, rotation, position)
+        put_base(frames[i], problem.base)
     columns, rest = cut(rest, c, n, 18)
     norms, rest = cut(rest, c, NORMS + MOST_PAIRS * pair_width(n))
     rows = carve_rows(rest, c, n, capacity)

@@ -17,7 +17,7 @@ from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.certificate.sweep import carve_sweep, sweep_size
-from sinuous.kernels.chain.kinematics import frame, put_frame
+from sinuous.kernels.chain.kinematics import put_base
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
@@ -143,8 +143,7 @@ def carve_control(buffer: Array, base: Array, sizes: tuple[int, int, int, int, i
     q, rest = cut(buffer, n, 3)
     trial, rest = cut(rest, n, 3)
     frames, rest = cut(rest, n + 1, 12)
-    rotation, position = frame(base, 0)
-    put_frame(frames, 0, rotation, position)
+    put_base(frames, base)
     columns, rest = cut(rest, n, 18)
     size = rows_size(n, capacity)
     rows, rest = pick_rows(carve_rows(rest[:size], 1, n, capacity), 0), rest[size:]

@@ -15,7 +15,7 @@ from sinuous.kernels.certificate.obstacles import Accuracy
 from sinuous.kernels.certificate.proof import certify
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, Motion
 from sinuous.kernels.chain.kinematics import forward, forward_with_columns, frame, shorten
-from sinuous.kernels.clock import allow, begin, late
+from sinuous.kernels.clock import begin_for, late
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.shapes import shaped
@@ -410,8 +410,7 @@ def control_step(
     wanted = read_asked(asked, n)
     capacity = max(6, 6 * targets.shape[0])
     work = carve_control(workspace, problem.base, (n, m, capacity, wanted.capacity[0], wanted.capacity[1]), None)
-    begin(work.sweep.clock)
-    allow(work.sweep.clock, wanted.seconds)
+    begin_for(work.sweep.clock, wanted.seconds)
     copy(start, work.q)
     set_free(problem, work)
     answer[ROUNDS], count, _ = advance(problem, wanted, work, start)

@@ -30,7 +30,7 @@ from sinuous.base.checks import Floats
 from sinuous.kernels.chain import batch
 from sinuous.kernels.compile import entry
 from sinuous.kernels.packing import pose_row
-from sinuous.kernels.solve.starts import single_arc
+from sinuous.kernels.solve.starts import put_single_arc
 
 MOST_STEPS = 300
 
@@ -54,7 +54,7 @@ def start_of(robot: sn.Robot, target: sn.Target) -> Floats:
 
 @entry
 def _arc(limits: Floats, frames: Floats, tip: int, goal: Floats, q: Floats) -> None:
-    single_arc(limits, frames, tip, (goal[0], goal[1], goal[2]), q)
+    put_single_arc(limits, frames, tip, (goal[0], goal[1], goal[2]), q)
 
 
 def _bounds(robot: sn.Robot) -> tuple[Floats, Floats]:

@@ -38,7 +38,7 @@ RAY_CLEARANCE, RAY_ACCURACY = 0.9, 0.05
 """Distance from the obstacles at which a ray ends, because a ball of the radius cannot get through; and how exactly."""
 
 FIRST_EVALUATION = 0.15
-"""Where the first examine a ray is: at its beginning the distance is the same, whatever way it leads."""
+"""Where a ray is examined first: at its beginning the distance is the same, whatever way it leads."""
 
 RAY_EVALUATIONS = 12
 """Most evaluations along a ray."""
@@ -101,7 +101,7 @@ def _limited(a: Vec, most: float) -> Vec:
 
 
 def next_beside(scene: Scene, p: Vec, ahead: Vec, sizes: tuple[float, float], mode: int) -> tuple[int, Vec]:
-    """Point of the axis beside `p`; and MOUTH or END where the tube does not go on there, else UNENDED.
+    """Point of the axis beside `p`; and MOUTH or WALL where the tube does not go on there, else UNENDED.
 
     `sizes` are the radius, and how far the axis may be from `p`.
     """
@@ -180,7 +180,7 @@ def follow_tube(
     Returns
     -------
     (int, int)
-        How many points there are, and how the tube ends: NO_TUBE, MOUTH, END, BRANCH or UNENDED.
+        How many points there are, and how the tube ends: NO_TUBE, MOUTH, WALL, BRANCH or UNENDED.
     """
     obstacles = read_scene(scene)
     begin_for(clock, seconds)

@@ -28,7 +28,7 @@ from sinuous.kernels.compile import entry_around, shared
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import ZERO, Array, add, copy, dot, get_vec, norm, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.starts import face, most_distal, single_arc, widest
+from sinuous.kernels.solve.starts import find_most_distal, put_single_arc, turn_to_targets, widest_bend
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.actuation import runs_through, sums_from
 from sinuous.kernels.step.limits import bend_cap
@@ -210,12 +210,12 @@ def begin_from(problem: Problem, check: Check, start: Start, q: Array) -> int:
 @shared
 def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) -> int:
     """Put own start `number` into `q` (n, 3): 0 is the single arc, all others are scattered; returns its source."""
-    tip, goal = most_distal(problem)
+    tip, goal = find_most_distal(problem)
     if number == 0 and tip >= 0:
-        single_arc(problem.limits, check.frames, tip, goal, q)
+        put_single_arc(problem.limits, check.frames, tip, goal, q)
         return t.ARC
-    scattered(problem.limits, number, seed, widest(number), q)
-    face(problem.limits, problem.targets, check.frames, problem.tool, q)
+    scattered(problem.limits, number, seed, widest_bend(number), q)
+    turn_to_targets(problem.limits, problem.targets, check.frames, problem.tool, q)
     return t.RANDOM
 
 

@@ -10,7 +10,7 @@ from sinuous.kernels import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.clock import DEADLINE
 from sinuous.kernels.fields.solids import INTERPOLATED
-from sinuous.kernels.freespace.cells import Memory, carve, clear, memory_size
+from sinuous.kernels.freespace.cells import Memory, carve, forget_cells, memory_size
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid
 from tests.helpers import Floats
 from tests.kernels.workspace import NEVER
@@ -22,7 +22,7 @@ GOAL = (0.8, 0.4, 0.6)
 def memory(most: int = 1 << 14, deadline: int = NEVER) -> Memory:
     """Memory of a search that knows no cell yet; the deadline (ns) is that of its clock."""
     work = carve(np.zeros(memory_size(most)), most)
-    clear(work)
+    forget_cells(work)
     work.clock[DEADLINE] = deadline
     return work
 

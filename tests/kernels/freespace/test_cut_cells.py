@@ -27,7 +27,7 @@ def cut(scene: sn.Scene, cell: tuple[int, int, int, int]) -> int:
     key = key_of(*cell)
     edge = WHERE.cell * 2 ** cell[0]
     which = int(np.argmin([float(sn.Scene([o]).distance(np.array(middle(WHERE, key)))) for o in scene.obstacles]))
-    return int(cut_cells.cut_by(WHERE, kernel_scene(scene), middle(WHERE, key), edge, which))
+    return int(cut_cells.find_cut(WHERE, kernel_scene(scene), middle(WHERE, key), edge, which))
 
 
 @pytest.mark.parametrize("seed", range(6))

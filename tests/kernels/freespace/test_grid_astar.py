@@ -20,7 +20,7 @@ from tests.kernels.freespace.places import CELL, GOAL, RADIUS, REACH, grid, memo
 
 
 def explore(work: Memory, where: SearchGrid, scene: sn.Scene) -> tuple[int, int]:
-    found: tuple[int, int] = grid_astar.explore(work, where, kernel_scene(scene))
+    found: tuple[int, int] = grid_astar.search_from_both_ends(work, where, kernel_scene(scene))
     return found
 
 

@@ -43,7 +43,7 @@ def test_all_finest_cells_of_a_cell_are_as_it_says(seed: int) -> None:
     for _ in range(300):
         x, y, z = (int(n) for n in rng.integers(-5, 6, 3))
         cell = (int(rng.integers(0, 4)), x, y, z)
-        d, cut = octree.passable(where, kernel_scene(scene), key_of(*cell))
+        d, cut = octree.classify_cell(where, kernel_scene(scene), key_of(*cell))
         points = middles(where, cell)
         far = np.linalg.norm(points, axis=1) + np.linalg.norm(points - where.goal, axis=1)
         distances = np.where(far <= where.reach + 2.0 * HALF_DIAGONAL * CELL, scene.distance(points), -np.inf)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.growing.bending import MOST_OVERLAP, RELIEF_STEPS, Nearby, _solved, come_out
+from sinuous.kernels.growing.bending import MOST_OVERLAP, RELIEF_STEPS, Nearby, _solve, bend_off_walls
 from tests.helpers import Floats, kernel_problem, mat, vec
 
 RADIUS = 0.1
@@ -24,7 +24,7 @@ def out(
     problem = kernel_problem(sn.Robot([segment], mount=mount), [sn.Target((0.0, 0.0, 1.0))], scene)
     start = mat(np.eye(3)), vec(np.zeros(3))
     new = start, 0, 0.0
-    (_, arc), overlap, _ = come_out(problem, new, new, (q, q), False, nearby(scene), RELIEF_STEPS)
+    (_, arc), overlap, _ = bend_off_walls(problem, new, new, (q, q), False, nearby(scene), RELIEF_STEPS)
     return np.array(arc), float(overlap)
 
 
@@ -73,5 +73,5 @@ def test_two_arcs_give_way_as_their_system_says() -> None:
     a, b, c = whole[:2, :2], whole[:2, 2:], whole[2:, 2:]
     first, second = (vec((own[0, 0], own[0, 1], own[1, 1])) for own in (a, c))
     across = b[0, 0], b[0, 1], b[1, 0], b[1, 1]
-    found = _solved(first, second, across, vec((*right[:2], 0.0)), vec((*right[2:], 0.0)))
+    found = _solve(first, second, across, vec((*right[:2], 0.0)), vec((*right[2:], 0.0)))
     np.testing.assert_allclose(found, np.linalg.solve(whole, right))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
+from sinuous.kernels.planning.trees import GONE, Trees, cut_off, path_through
 from sinuous.motion.planning.query import Deadline
 from sinuous.motion.planning.rrt_connect import RRTConnect
 from tests.kernels.certificate.motions import shape
@@ -41,7 +41,7 @@ def test_what_hangs_on_an_edge_is_cut_off_and_nothing_else(seed: int) -> None:
     before = sum(tuple(q.ravel()) in nodes[0] for q in path[:count]) - 1
     for edge in range(count - 1):
         trees = random_trees(seed)
-        cut(trees, first, second, edge)
+        cut_off(trees, first, second, edge)
         side = 0 if edge < before else 1
         child = second  # it is where the first tree's node is, and stands for it
         if edge != before:

@@ -24,7 +24,7 @@ MIXED = sn.Robot(
 
 def single_arc(robot: sn.Robot, goal: Floats, tip: int, base: Floats) -> Floats:
     q = np.full((len(robot), 3), np.nan)
-    starts.single_arc(robot.limits, frames_of(np.zeros((len(robot), 3)), base), tip, vec(goal), q)
+    starts.put_single_arc(robot.limits, frames_of(np.zeros((len(robot), 3)), base), tip, vec(goal), q)
     return q
 
 

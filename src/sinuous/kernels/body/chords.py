@@ -34,6 +34,12 @@ def find_closest(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float]:
     return s, t
 
 
+def nearest_share(p: Vec, a: Vec, line: Vec) -> float:
+    """Share of a straight `line` from `a` on at which it is nearest to the point `p`; 0 of one without length."""
+    square = dot(line, line)
+    return min(1.0, max(0.0, dot(sub(p, a), line) / square)) if square > 0.0 else 0.0
+
+
 def sagitta_bound(length: float, bend: float) -> float:
     """Upper bound of how far an arc that bends by at most half a turn is from its chord (its sagitta)."""
     return 0.125 * length * bend

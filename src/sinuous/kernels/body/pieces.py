@@ -121,8 +121,6 @@ def _list_near(scene: Scene, p: Vec, reach: float, among: Array, most: int) -> i
             if node == 0:
                 return count
             at = item_of(tree, node)
-            if at < 0:
-                continue
         i = int(store[at])
         e = _place_for(among, count, i)
         roundoff, mode = scene.table[i, ROUNDOFF], LOWER_BOUND if scene.table[i, KIND] >= TREE else INTERPOLATED

@@ -1,4 +1,4 @@
-"""A quick examine one segment for obstacles, in a few places: what heuristics steer by. It proves nothing."""
+"""The clearance of one segment, sampled in a few places: what heuristics steer by. It proves nothing."""
 
 import math
 

@@ -1,7 +1,7 @@
 """The proof that the body does not run through itself.
 
 `self_pairs` says which places concern each other, which pairs of segments are to be examined, and bounds all others;
-`self_pieces` evaluations. So the proved self-clearance holds for all places, also for those that nobody examined.
+`self_pieces` bounds those pairs. So the proved self-clearance holds for all places, also for those never examined.
 """
 
 import math
@@ -14,7 +14,7 @@ from sinuous.kernels.compile import shared
 from sinuous.kernels.maths.vectors import Array
 
 PAIR_WORK = 16
-"""What a examine a pair of pieces costs, see `kernels.clock`."""
+"""What it costs to examine a pair of pieces, see `kernels.clock`."""
 
 
 @shared

@@ -89,7 +89,7 @@ def forget(seen: Array) -> None:
 
 
 def narrow_obstacles(motion: Motion, sweep: Sweep, accuracy: Accuracy, seen: Array) -> None:
-    """Let every segment check only at the obstacles that it may touch some time in the motion, none of which moves."""
+    """Leave to every segment only the obstacles that it may touch some time in the motion, none of which moves."""
     list_obstacles(motion.limits, sweep)
     measure_rates(motion.limits, motion.q0, motion.q1, sweep.rates)
     knot(motion, 0.0, sweep, 0)
@@ -105,7 +105,7 @@ def touches_at(motion: Motion, t: float, sweep: Sweep, accuracy: Accuracy, seen:
 
 
 def touches_too(motion: Motion, t: float, sweep: Sweep, accuracy: Accuracy, seen: Array) -> bool:
-    """The same after examines which nothing touched: `seen` has the least of all of them."""
+    """The same after times at which nothing touched: `seen` has the least of all of them."""
     knot(motion, t, sweep, 0)
     for k in range(motion.q0.shape[0] - 1, -1, -1):
         if clear_segment(motion, sweep, Interval(1, t, 0.0, 0, 0), k, accuracy, seen[0]) == TOUCHING:

@@ -8,6 +8,7 @@ The tip's acceleration is bounded as `sweep` says. So between two of its places,
 
 import math
 
+from sinuous.kernels.body.chords import nearest_share
 from sinuous.kernels.chain.kinematics import compose, forward, frame, interpolate, put_base
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_vec, norm, scale, sub, transpose
@@ -30,15 +31,9 @@ def tip_acceleration(limits: Array, q0: Array, q1: Array, lever: float) -> float
     return total + lever * turning * turning
 
 
-def _share(p: Vec, a: Vec, along: Vec) -> float:
-    """Share of a straight line that begins at `a` at which it is nearest to a place; 0 of one without length."""
-    square = dot(along, along)
-    return min(1.0, max(0.0, dot(sub(p, a), along) / square)) if square > 0.0 else 0.0
-
-
 def _distance(p: Vec, a: Vec, along: Vec) -> float:
     """Distance of a place from the straight line that begins at `a`."""
-    return norm(add_scaled(sub(p, a), -_share(p, a, along), along))
+    return norm(add_scaled(sub(p, a), -nearest_share(p, a, along), along))
 
 
 @entry
@@ -89,7 +84,7 @@ def turn_off(robot: Array, ends: Array, line: Array, turn: Array, q: Array, fram
         rotation, position = frame(frames, q.shape[0])
         columns, place = compose(rotation, position, offset, shift)
         x, y, z = transpose(columns)
-        share = _share(place, begin, along)
+        share = nearest_share(place, begin, along)
         if dot(along, along) == 0.0 and angle > 0.0:
             first = get_vec(turn, 2, 0)
             sine, cosine = dot(cross(axis, first), x if three else z), dot(first, x if three else z)

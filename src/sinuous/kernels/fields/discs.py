@@ -45,10 +45,9 @@ def enclose(store: Array, tree: Tree, discs: Array) -> None:
                 height = dot(away, axis)
                 low, high = min(low, height), max(high, height)
                 wide = max(wide, norm(add_scaled(away, -height, axis)))
-        if first < last:
-            center = add_scaled(center, 0.5 * (low + high), axis)
-            # What arithmetic may be wrong by is taken off here, once for all points.
-            slack = 1e-12 * (norm(center) + wide + high - low)
-            discs[node, DISC_RADIUS], discs[node, DISC_HALF] = wide + slack, 0.5 * (high - low) + slack
+        center = add_scaled(center, 0.5 * (low + high), axis)
+        # What arithmetic may be wrong by is taken off here, once for all points.
+        slack = 1e-12 * (norm(center) + wide + high - low)
+        discs[node, DISC_RADIUS], discs[node, DISC_HALF] = wide + slack, 0.5 * (high - low) + slack
         put_vec(discs, node, DISC_CENTER, center)
         put_vec(discs, node, DISC_AXIS, axis)

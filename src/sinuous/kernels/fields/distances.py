@@ -215,8 +215,6 @@ def search(scene: Scene, p: Vec, reach: float, mode: int, side: float, skipped: 
             if node == 0:
                 return least, most, which
             at = item_of(tree, node)
-            if at < 0:
-                continue
         i = int(store[at])
         if i in (which, skipped):
             continue

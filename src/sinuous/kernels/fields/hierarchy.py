@@ -52,10 +52,8 @@ def cell_of(store: Array, p: Vec) -> tuple[int, float]:
 
 
 def item_of(tree: Tree, node: int) -> int:
-    """Place in the store of the number of the obstacle in a leaf; -1: the leaf is empty."""
-    leaf = node - (1 << tree.levels)
-    first = (leaf * tree.count) >> tree.levels
-    return tree.items + first if first < ((leaf + 1) * tree.count) >> tree.levels else -1
+    """Place in the store of the number of the obstacle in a leaf; a walk comes to no empty one, for it has no box."""
+    return tree.items + (((node - (1 << tree.levels)) * tree.count) >> tree.levels)
 
 
 def nearer_leaf(store: Array, tree: Tree, node: int, due: int, p: Vec, best: float) -> tuple[int, int]:

@@ -3,7 +3,7 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.freespace.band import span
+from sinuous.kernels.freespace.band import line_length
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, scale, sub
 
 Curve = namedtuple("Curve", ["points", "spacing"])
@@ -13,7 +13,7 @@ Curve = namedtuple("Curve", ["points", "spacing"])
 def curve_through(points: Array) -> Curve:
     """Return the curve through points (K, 3) that are evenly spaced, or nearly so."""
     count = points.shape[0]
-    return Curve(points, span(points, count) / (count - 1))
+    return Curve(points, line_length(points, count) / (count - 1))
 
 
 def length_of(curve: Curve) -> float:

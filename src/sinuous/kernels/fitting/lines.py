@@ -69,7 +69,7 @@ def _width_across(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: f
 def widths_across(scene: Array, line: Array, radius: float, enough: float, widths: Array) -> None:
     """Fill `widths` (K,) with the most distance from the obstacles across a `line` (K, 3), in the length unit.
 
-    That is of places up to `MOST_OFFSET` radii aside. Along a wall it grows with every step, in a door it does not.
+    That is of places up to `SIDE_STEPS` radii aside. Along a wall it grows with every step, in a door it does not.
     Points that are farther apart than a radius have the least of what is nearer to them than to others: a wall between
     them is not stepped over. From `enough` on it may be anything that is not less; where the line overlaps an obstacle
     it is the distance of the place itself.

@@ -21,7 +21,7 @@ FEWEST = 6
 """Points that a band has at least."""
 
 
-def span(points: Array, count: int) -> float:
+def line_length(points: Array, count: int) -> float:
     """Length of a line through the first `count` of `points` (m, 3)."""
     total = 0.0
     for i in range(1, count):
@@ -31,7 +31,7 @@ def span(points: Array, count: int) -> float:
 
 def respace(points: Array, count: int, out: Array, wanted: int) -> float:
     """Fill `out` (N, 3) with `wanted` points, evenly on the line through the first `count`; returns their distance."""
-    spacing = span(points, count) / (wanted - 1)
+    spacing = line_length(points, count) / (wanted - 1)
     put_vec(out, 0, 0, get_vec(points, 0, 0))
     i, gone = 1, 0.0
     for j in range(1, wanted - 1):
@@ -92,6 +92,6 @@ def tighten(scene: Scene, grid: SearchGrid, route: Array, scratch: Array, clock:
                 put_vec(route, i, 0, get_vec(spare, i, 0))
 
 
-def points_wanted(length: float, cell: float, most: int) -> int:
+def count_points(length: float, cell: float, most: int) -> int:
     """How many points a band of this length has."""
     return max(FEWEST, min(most, math.ceil(length / cell) + 1))

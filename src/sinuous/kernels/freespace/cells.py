@@ -20,7 +20,7 @@ from sinuous.kernels.maths.vectors import Array
 
 CellTable = namedtuple("CellTable", ["index", "size", "parents", "cuts", "distance", "penalized"])
 """The cells that were met. By number of the block: `parents` (c / 8,) int64, key of the cell that it divides; `cuts`
-(c / 8,) int32, the wall that cuts it in two, see `halves`, or NONE where it is divided into eight. By number
+(c / 8,) int32, the wall that cuts it in two, see `cut_cells`, or NONE where it is divided into eight. By number
 of the cell: `distance` (c,) of its middle to the obstacles, or one of UNKNOWN, DIVIDED and BLOCKED; `penalized` (c,)
 uint8, whether it is near a route that is known already. `index` (c / 4,) int32 is an open-addressed hash table: by
 slot, one more than the number of the block, 0 where the slot is empty. `size` (4,) int64: how many blocks there are,
@@ -102,7 +102,7 @@ def pick(sides: Side, i: int) -> Side:
     )
 
 
-def home(table: CellTable, key: int) -> int:
+def _first_slot(table: CellTable, key: int) -> int:
     """Slot of the hash table where the search for a block begins."""
     # All numbers of a key count in the high bits of the product alone; in the low ones x does not.
     return int((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(44)) & (table.size[SLOTS] - 1)
@@ -110,7 +110,7 @@ def home(table: CellTable, key: int) -> int:
 
 def find_slot(table: CellTable, key: int) -> int:
     """Slot of the block of a cell in the hash table, or the empty one where it belongs; one slot must be empty."""
-    mask, at = table.size[SLOTS] - 1, home(table, key)
+    mask, at = table.size[SLOTS] - 1, _first_slot(table, key)
     while table.index[at] != 0 and table.parents[table.index[at] - 1] != key:
         at = (at + 1) & mask
     return at
@@ -162,16 +162,16 @@ def _grow(table: CellTable) -> None:
         table.index[find_slot(table, table.parents[block])] = block + 1
 
 
-def clear(memory: Memory) -> None:
+def forget_cells(memory: Memory) -> None:
     """Forget all cells."""
     table = memory.table
     table.size[BLOCKS], table.size[SLOTS], table.size[EVALUATED] = 0, min(FIRST_SLOTS, table.index.shape[0]), 0
     for i in range(table.size[SLOTS]):
         table.index[i] = 0
-    restart(memory)
+    forget_routes(memory)
 
 
-def restart(memory: Memory) -> None:
+def forget_routes(memory: Memory) -> None:
     """Forget all routes, but keep the cells with their distances and penalties."""
     sides = memory.sides
     memory.table.size[OVERFLOW] = 0
@@ -181,7 +181,7 @@ def restart(memory: Memory) -> None:
             sides.cost[i, cell], sides.done[i, cell] = math.inf, 0
 
 
-def push(memory: Memory, which: int, priority: float, cell: int) -> None:
+def push_cell(memory: Memory, which: int, priority: float, cell: int) -> None:
     """Put a cell into the heap of a side, if there is a place for it."""
     side = pick(memory.sides, which)
     if side.size[0] == side.items.shape[0]:
@@ -190,7 +190,7 @@ def push(memory: Memory, which: int, priority: float, cell: int) -> None:
     side.size[0] = heap.push(side.priority, side.items, side.size[0], priority, cell)
 
 
-def pop(side: Side) -> int:
+def pop_cell(side: Side) -> int:
     """Take out a cell of the least priority; there must be one."""
     cell, side.size[0] = heap.pop(side.priority, side.items, side.size[0])
     return int(cell)

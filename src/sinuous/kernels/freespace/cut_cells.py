@@ -35,7 +35,7 @@ def _axis_across(scene: Scene, i: int, p: Vec, edge: float, spare: float) -> int
     return 1 if spans[0] and spans[2] else NONE
 
 
-def cut_by(grid: SearchGrid, scene: Scene, p: Vec, edge: float, which: int) -> int:
+def find_cut(grid: SearchGrid, scene: Scene, p: Vec, edge: float, which: int) -> int:
     """Say how obstacle `which`, the nearest to its middle `p`, cuts a cell in two: 3 times its number, and the axis.
 
     NONE where it does not, or where another obstacle is so near that not all of the rest can be passed.
@@ -59,7 +59,7 @@ def cut_by(grid: SearchGrid, scene: Scene, p: Vec, edge: float, which: int) -> i
     return 3 * which + axis
 
 
-def _normal(scene: Scene, cut: int) -> Vec:
+def _wall_normal(scene: Scene, cut: int) -> Vec:
     """Unit normal of a wall."""
     a, b, c = get_mat(scene.table, cut // 3, AXES)
     axis = cut % 3
@@ -68,26 +68,26 @@ def _normal(scene: Scene, cut: int) -> Vec:
     return (a[1], b[1], c[1]) if axis == 1 else (a[2], b[2], c[2])
 
 
-def beyond(scene: Scene, cut: int, side: int, p: Vec) -> float:
+def distance_beyond(scene: Scene, cut: int, side: int, p: Vec) -> float:
     """How far the point `p` is from the face of a wall on a side of it; negative on the other one, and in the wall."""
     i = cut // 3
     thick = 0.0 if scene.table[i, KIND] == HALF_SPACE else scene.table[i, HALF_EXTENTS + cut % 3]
-    off = dot(sub(p, get_vec(scene.table, i, CENTER)), _normal(scene, cut))
+    off = dot(sub(p, get_vec(scene.table, i, CENTER)), _wall_normal(scene, cut))
     return (2.0 * side - 1.0) * off - thick - scene.table[i, ROUNDING_RADIUS]
 
 
 def side_of(scene: Scene, cut: int, p: Vec) -> int:
     """On which side of a wall a point is: 0 or 1."""
-    return 1 if beyond(scene, cut, 1, p) > beyond(scene, cut, 0, p) else 0
+    return 1 if distance_beyond(scene, cut, 1, p) > distance_beyond(scene, cut, 0, p) else 0
 
 
 def place_beside(scene: Scene, cut: int, side: int, p: Vec, far: float) -> Vec:
     """The point on a side of a wall that is nearest to `p`, and so far from the wall."""
-    lacking = far - beyond(scene, cut, side, p)
-    return p if lacking <= 0.0 else add_scaled(p, (2.0 * side - 1.0) * lacking, _normal(scene, cut))
+    lacking = far - distance_beyond(scene, cut, side, p)
+    return p if lacking <= 0.0 else add_scaled(p, (2.0 * side - 1.0) * lacking, _wall_normal(scene, cut))
 
 
-def shared(grid: SearchGrid, one: int, other: int) -> tuple[Vec, Vec]:
+def common_box(grid: SearchGrid, one: int, other: int) -> tuple[Vec, Vec]:
     """Low and high corner of what two cells that touch have in common."""
     a, b = corners(grid, one)
     c, d = corners(grid, other)
@@ -95,26 +95,23 @@ def shared(grid: SearchGrid, one: int, other: int) -> tuple[Vec, Vec]:
     return low, (min(b[0], d[0]), min(b[1], d[1]), min(b[2], d[2]))
 
 
-def _open(grid: SearchGrid, scene: Scene, cut: int, side: int, low: Vec, high: Vec) -> bool:
+def _can_be_passed(grid: SearchGrid, scene: Scene, cut: int, side: int, low: Vec, high: Vec) -> bool:
     """Whether between two corners there is a point that can be passed, on a side of a wall."""
-    a, b, c = _normal(scene, cut)
+    a, b, c = _wall_normal(scene, cut)
     x, y, z = sub(high, low)
     reach = 0.5 * (abs(a) * x + abs(b) * y + abs(c) * z)
-    return beyond(scene, cut, side, scale(0.5, add(low, high))) + reach >= grid.clearance
+    return distance_beyond(scene, cut, side, scale(0.5, add(low, high))) + reach >= grid.clearance
 
 
 def linked(grid: SearchGrid, scene: Scene, one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
     """Whether a route leads from one cell to another that it touches: each by its key, its cut, and the side of it.
 
-    From one finest cell to the next one it leads by the middle between both, which belongs to both cells and is as far
-    from a wall as they are.
+    A wall cuts one of both at least. From one finest cell to the next one it leads by the middle between both, which
+    belongs to both cells and is as far from a wall as they are.
     """
-    if one[1] == other[1]:
-        if one[1] == NONE:
-            return True
-        if one[2] != other[2]:
-            return False
-    low, high = shared(grid, one[0], other[0])
-    if one[1] != NONE and not _open(grid, scene, one[1], one[2], low, high):
+    if one[1] == other[1] and one[2] != other[2]:
         return False
-    return other[1] == NONE or _open(grid, scene, other[1], other[2], low, high)
+    low, high = common_box(grid, one[0], other[0])
+    if one[1] != NONE and not _can_be_passed(grid, scene, one[1], one[2], low, high):
+        return False
+    return other[1] == NONE or _can_be_passed(grid, scene, other[1], other[2], low, high)

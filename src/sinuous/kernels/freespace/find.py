@@ -3,16 +3,16 @@
 from sinuous.kernels.clock import begin_for
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
-from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
-from sinuous.kernels.freespace.cells import EVALUATED, NONE, Memory, carve, clear, restart
+from sinuous.kernels.freespace.band import count_points, line_length, respace, tighten
+from sinuous.kernels.freespace.cells import EVALUATED, NONE, Memory, carve, forget_cells, forget_routes
 from sinuous.kernels.freespace.grid import SearchGrid, onto_plane
-from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore, penalize
+from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, penalize_route, search_from_both_ends
 from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid
 from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
 from sinuous.kernels.tables import CLOSED, FOUND, PROVED_CLOSED
 
 
-def _chain(memory: Memory, which: int, met: int) -> int:
+def _count_cells(memory: Memory, which: int, met: int) -> int:
     """How many cells lead from the one where both sides met to the end of a side; that one is not counted."""
     count, cell = 0, int(memory.sides.before[which, met])
     while cell != NONE:
@@ -20,14 +20,14 @@ def _chain(memory: Memory, which: int, met: int) -> int:
     return count
 
 
-def _trace(memory: Memory, grid: SearchGrid, met: int, query: Query) -> int:
+def _trace_line(memory: Memory, grid: SearchGrid, met: int, query: Query) -> int:
     """Write the line of the route through the cell `met` to `memory.points`; returns the number of its points.
 
     It has the origin, the start, the places where the route enters cells, but for those that both ends lie in, and the
     goal. Returns 0 when there is no place for it.
     """
     points, sides = memory.points, memory.sides
-    behind, ahead = _chain(memory, FROM_START, met), _chain(memory, FROM_GOAL, met)
+    behind, ahead = _count_cells(memory, FROM_START, met), _count_cells(memory, FROM_GOAL, met)
     if behind + ahead + 6 > points.shape[0]:
         return 0
     first = 1  # the place of the cell that the start lies in: the next one writes over it
@@ -48,12 +48,12 @@ def _trace(memory: Memory, grid: SearchGrid, met: int, query: Query) -> int:
     return count + 1
 
 
-def _smooth(memory: Memory, grid: SearchGrid, scene: Scene, met: int, query: Query, route: Array) -> int:
+def _smooth_route(memory: Memory, grid: SearchGrid, scene: Scene, met: int, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one through the cell `met`; returns how many points it has (0: too many cells)."""
-    traced = _trace(memory, grid, met, query)
+    traced = _trace_line(memory, grid, met, query)
     if traced == 0:
         return 0
-    wanted = points_wanted(span(memory.points, traced), grid.cell, route.shape[0])
+    wanted = count_points(line_length(memory.points, traced), grid.cell, route.shape[0])
     respace(memory.points, traced, route, wanted)
     tighten(scene, grid, route, memory.points, memory.clock, wanted)
     return wanted
@@ -61,30 +61,30 @@ def _smooth(memory: Memory, grid: SearchGrid, scene: Scene, met: int, query: Que
 
 def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
     """Prove that there is no route for any body of this radius, whatever its tangents."""
-    clear(memory)
-    ended, _ = explore(memory, proof_grid(query, scene), scene)
+    forget_cells(memory)
+    ended, _ = search_from_both_ends(memory, proof_grid(query, scene), scene)
     return ended == CLOSED
 
 
 def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Array) -> tuple[int, int]:
     """Fill `routes` (r, K, 3) and `counts` (r,), as `find_routes`: how many, and how the last search ended."""
     grid = route_grid(query)
-    clear(memory)
+    forget_cells(memory)
     count, ended = 0, FOUND
     while count < routes.shape[0]:
-        ended, met = explore(memory, grid, scene)
+        ended, met = search_from_both_ends(memory, grid, scene)
         if ended == CLOSED and count == 0 and query.prove and _proved_closed(memory, query, scene):
             return 0, PROVED_CLOSED
         if ended != FOUND:
             break
-        points = _smooth(memory, grid, scene, met, query, routes[count])
+        points = _smooth_route(memory, grid, scene, met, query, routes[count])
         if points == 0:
             break
         counts[count] = points
         count += 1
         if count < routes.shape[0]:
-            penalize(memory, grid, scene, met)
-            restart(memory)
+            penalize_route(memory, grid, scene, met)
+            forget_routes(memory)
     return count, ended
 
 

@@ -57,7 +57,7 @@ def cell_at(grid: SearchGrid, p: Vec) -> int:
     return key_of(0, x, y, math.floor(z))
 
 
-def walled(grid: SearchGrid, scene: Scene, one: int, other: int) -> bool:
+def has_wall(grid: SearchGrid, scene: Scene, one: int, other: int) -> bool:
     """Whether a wall stands between two neighbours; to be asked where their own distances leave room for one.
 
     On the line from one middle to the other, steps are as long as the distance from what cannot be passed.

@@ -32,11 +32,11 @@ from sinuous.kernels.freespace.cells import (
     block_of,
     key_in,
     pick,
-    pop,
-    push,
+    pop_cell,
+    push_cell,
 )
-from sinuous.kernels.freespace.cut_cells import beyond, linked, place_beside, shared
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, cell_at, corners, cost_rate, middle, walled
+from sinuous.kernels.freespace.cut_cells import common_box, distance_beyond, linked, place_beside
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, cell_at, corners, cost_rate, has_wall, middle
 from sinuous.kernels.freespace.keys import child_of, key_of, numbers_of, octant_of, touch
 from sinuous.kernels.freespace.octree import LEAF, block_at, evaluate_cell, known_leaf, leaf_at
 from sinuous.kernels.maths.vectors import Vec, add_scaled, get_vec, norm, put_vec, sub
@@ -69,7 +69,7 @@ Here = namedtuple("Here", ["which", "cell", "key", "cut", "level", "point", "rat
 the route enters it; and what a unit of length costs there."""
 
 
-def _end(grid: SearchGrid, which: int) -> tuple[Vec, float]:
+def _end_ball(grid: SearchGrid, which: int) -> tuple[Vec, float]:
     """Where routes of a side begin: within a ball about a place."""
     if which == FROM_GOAL:
         return grid.goal, grid.goal_radius + HALF_DIAGONAL * grid.cell
@@ -91,8 +91,8 @@ def _begin_in_cell(side: Side, cell: int, off: float, p: Vec) -> None:
 def _open_ends(memory: Memory, grid: SearchGrid, scene: Scene, which: int) -> bool:
     """Open the cells in which there are middles in the ball where a side begins; say whether they are not too many."""
     table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
-    place, around = _end(grid, which)
-    aim, close = _end(grid, 1 - which)
+    place, around = _end_ball(grid, which)
+    aim, close = _end_ball(grid, 1 - which)
     span = math.ceil(around / grid.cell) + 1
     if (2.0 * span + 1.0) ** 3 > SEEDS * table.distance.shape[0]:
         return False
@@ -115,35 +115,35 @@ def _open_ends(memory: Memory, grid: SearchGrid, scene: Scene, which: int) -> bo
                     if rest <= close:
                         _begin_in_cell(other, cell, rest, p)
                     if new:
-                        push(memory, which, 0.0, cell)
+                        push_cell(memory, which, 0.0, cell)
     return True
 
 
-def _gap(sides: Side, cell: int) -> float:
+def _gap_between_routes(sides: Side, cell: int) -> float:
     """How far apart both routes enter a cell."""
     return norm(sub(get_vec(sides.points[FROM_GOAL], cell, 0), get_vec(sides.points[FROM_START], cell, 0)))
 
 
-def _through(memory: Memory, grid: SearchGrid, cell: int) -> float:
+def _cost_through(memory: Memory, grid: SearchGrid, cell: int) -> float:
     """Cost of the route through a cell that both sides have come to; infinite without one."""
     sides = memory.sides
     if cell == NONE or sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] == math.inf:
         return math.inf
     own = cost_rate(grid, memory.table.distance[cell]) + DETOUR * memory.table.penalized[cell]
-    return sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] + own * _gap(sides, cell)
+    return sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] + own * _gap_between_routes(sides, cell)
 
 
-def _joins(memory: Memory, grid: SearchGrid, cell: int, met: int) -> bool:
+def _joins_cheaper(memory: Memory, grid: SearchGrid, cell: int, met: int) -> bool:
     """Whether the route through `cell` is cheaper than that through `met`, and not too long."""
     sides = memory.sides
-    cost = _through(memory, grid, cell)
-    if cost == math.inf or cost >= _through(memory, grid, met):
+    cost = _cost_through(memory, grid, cell)
+    if cost == math.inf or cost >= _cost_through(memory, grid, met):
         return False
-    length = sides.length[FROM_GOAL, cell] + sides.length[FROM_START, cell] + _gap(sides, cell)
+    length = sides.length[FROM_GOAL, cell] + sides.length[FROM_START, cell] + _gap_between_routes(sides, cell)
     return SMOOTHED * length <= grid.longest
 
 
-def _crossing(grid: SearchGrid, scene: Scene, here: Here, key: int, half: tuple[int, int], aim: Vec) -> Vec:
+def _entry_point(grid: SearchGrid, scene: Scene, here: Here, key: int, half: tuple[int, int], aim: Vec) -> Vec:
     """Where a route enters the cell `key`: in its middle if it is one of the finest, else where it leads to `aim`.
 
     The point of the face, edge or corner between both cells that the straight line meets, or is nearest to; beside the
@@ -151,7 +151,7 @@ def _crossing(grid: SearchGrid, scene: Scene, here: Here, key: int, half: tuple[
     """
     if numbers_of(key)[0] == 0:
         return middle(grid, key)
-    low, high = shared(grid, here.key, key)
+    low, high = common_box(grid, here.key, key)
     p, line = here.point, sub(aim, here.point)
     thin, fraction = 0.25 * grid.cell, 0.0
     if high[0] - low[0] < thin and line[0] != 0.0:
@@ -170,16 +170,16 @@ def _crossing(grid: SearchGrid, scene: Scene, here: Here, key: int, half: tuple[
 
 def _reach_other_end(memory: Memory, grid: SearchGrid, scene: Scene, which: int, cell: int, key: int) -> None:
     """Note of a cell, if it is so, that it reaches to where routes of the other side begin."""
-    aim, close = _end(grid, 1 - which)
+    aim, close = _end_ball(grid, 1 - which)
     low, high = corners(grid, key)
     half = 0.5 * grid.cell  # it is the middles of the finest cells that count
     p = _clamp(aim, (low[0] + half, low[1] + half, low[2] + half), (high[0] - half, high[1] - half, high[2] - half))
     rest, cut = norm(sub(p, aim)), memory.table.cuts[cell >> 3]
-    if rest <= close and (cut == NONE or beyond(scene, cut, cell & 7, aim) + close >= grid.clearance):
+    if rest <= close and (cut == NONE or distance_beyond(scene, cut, cell & 7, aim) + close >= grid.clearance):
         _begin_in_cell(pick(memory.sides, 1 - which), cell, rest, p)
 
 
-push_here = inline(push)
+push_here = inline(push_cell)
 
 
 def _reach_cell(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new: int, key: int, met: int) -> int:
@@ -192,9 +192,9 @@ def _reach_cell(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new:
         grid, scene, (here.key, here.cut, here.cell & 7), (key, cut, new & 7)
     ):
         return met
-    aim, close = _end(grid, 1 - here.which)
+    aim, close = _end_ball(grid, 1 - here.which)
     d = table.distance[new]
-    there = _crossing(grid, scene, here, key, (cut, new & 7), aim)
+    there = _entry_point(grid, scene, here, key, (cut, new & 7), aim)
     step = norm(sub(there, here.point))
     cost = side.cost[here.cell] + 0.5 * step * (here.rate + cost_rate(grid, d) + DETOUR * table.penalized[new])
     length = side.length[here.cell] + step
@@ -203,14 +203,14 @@ def _reach_cell(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, new:
         return met
     if here.level == 0 and numbers_of(key)[0] == 0 and d + table.distance[here.cell] < step:
         spend(memory.clock, work_of_all(scene))
-        if walled(grid, scene, here.key, key):
+        if has_wall(grid, scene, here.key, key):
             return met
     side.cost[new], side.length[new], side.before[new] = cost, length, here.cell
     put_vec(side.points, new, 0, there)
     push_here(memory, here.which, cost + grid.inflation * rest, new)
     if rest <= close + 2.0 * HALF_DIAGONAL * grid.cell * (1 << numbers_of(key)[0]):
         _reach_other_end(memory, grid, scene, here.which, new, key)
-    return new if other.cost[new] < math.inf and _joins(memory, grid, new, met) else met
+    return new if other.cost[new] < math.inf and _joins_cheaper(memory, grid, new, met) else met
 
 
 def _reach_into(memory: Memory, grid: SearchGrid, scene: Scene, here: Here, divided: int, met: int) -> int:
@@ -303,12 +303,12 @@ def _examine_neighbours(memory: Memory, grid: SearchGrid, scene: Scene, which: i
     return met
 
 
-def _least(side: Side) -> float:
+def _least_priority(side: Side) -> float:
     """Least priority of a side; infinite when it is dry."""
     return side.priority[0] if side.size[0] > 0 else math.inf
 
 
-def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
+def search_from_both_ends(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
     """Search from the cells about the goal and from those about the start; what was searched before is in the memory.
 
     Returns FOUND, CLOSED (no route), FULL (the table or a heap is) or TIMED_OUT; and the cell in which both sides met
@@ -322,23 +322,23 @@ def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
         return FULL, NONE
     met = NONE
     for cell in range(8 * table.size[BLOCKS]):
-        if _joins(memory, grid, cell, met):
+        if _joins_cheaper(memory, grid, cell, met):
             met = cell
     while True:
         if spend(memory.clock, CELL_WORK):
             return TIMED_OUT, NONE
         if table.size[OVERFLOW] != 0:
             return FULL, NONE
-        least_from_goal = _least(goal_side) if from_goal else 0.0
-        least_from_start = _least(start_side) if from_start else 0.0
-        if met != NONE and _through(memory, grid, met) <= max(least_from_goal, least_from_start):
+        least_from_goal = _least_priority(goal_side) if from_goal else 0.0
+        least_from_start = _least_priority(start_side) if from_start else 0.0
+        if met != NONE and _cost_through(memory, grid, met) <= max(least_from_goal, least_from_start):
             return FOUND, met
         if max(least_from_goal, least_from_start) == math.inf:
             return CLOSED, NONE
         fewer = start_side.size[0] < goal_side.size[0]
         which = FROM_START if from_start and (fewer or not from_goal) else FROM_GOAL
         side = pick(sides, which)
-        cell = pop(side)
+        cell = pop_cell(side)
         if side.done[cell] != 0:
             continue
         side.done[cell] = 1
@@ -347,7 +347,7 @@ def explore(memory: Memory, grid: SearchGrid, scene: Scene) -> tuple[int, int]:
         met = _examine_neighbours(memory, grid, scene, which, cell, met)
 
 
-def penalize(memory: Memory, grid: SearchGrid, scene: Scene, met: int) -> None:
+def penalize_route(memory: Memory, grid: SearchGrid, scene: Scene, met: int) -> None:
     """Make the route through the cell `met`, and cells beside it, dearer; about large ones only those that touch."""
     table = memory.table
     for which in range(2):

@@ -59,7 +59,7 @@ def homotopy_workspace_size(points: int) -> int:
 
 
 def _follow_line(scene: Scene, a: Vec, b: Vec, keep: float, units: int, clock: Array) -> tuple[float, int]:
-    """How far the line from `a` to `b` keeps this distance, and the obstacle that ends it (NOTHING; LATE: no time).
+    """How far the line from `a` to `b` keeps this distance, and the obstacle that ends it (NO_OBSTACLE; OUT_OF_TIME).
 
     The distance of a place takes so many evaluations.
     """
@@ -80,7 +80,7 @@ def _follow_line(scene: Scene, a: Vec, b: Vec, keep: float, units: int, clock: A
             return length, NO_OBSTACLE
 
 
-def _is_free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
+def _is_leash_free(scene: Scene, a: Vec, b: Vec, keep: float, clock: Array) -> bool:
     """Whether the leash from `a` to `b` keeps this distance."""
     _, which = _follow_line(scene, a, b, keep, work_of_all(scene), clock)
     return which == NO_OBSTACLE
@@ -96,7 +96,7 @@ def _tighten_once(scene: Scene, curve: Array, keep: float, spare: Array, clock: 
     put_vec(spare, 0, 0, get_vec(curve, 0, 0))
     while at < last:
         here, end = get_vec(curve, at, 0), at + 1
-        while end < last and _is_free(scene, here, get_vec(curve, end + 1, 0), keep, clock):
+        while end < last and _is_leash_free(scene, here, get_vec(curve, end + 1, 0), keep, clock):
             end += 1
         at, corners = end, corners + 1
         put_vec(spare, corners, 0, get_vec(curve, at, 0))
@@ -149,7 +149,7 @@ def _lead_leash(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes,
     """
     count, wide = leashes.state.shape
     half = wide // 2
-    if not _is_free(scene, get_vec(a, 0, 0), get_vec(b, 0, 0), keep, clock):
+    if not _is_leash_free(scene, get_vec(a, 0, 0), get_vec(b, 0, 0), keep, clock):
         return False
     leashes.state[0, half], leashes.open[0], size = LEASH_FREE, half, 1
     while size > 0:
@@ -163,7 +163,7 @@ def _lead_leash(scene: Scene, a: Array, b: Array, keep: float, leashes: Leashes,
             column = m - k + half
             if k >= count or m >= count or column < 0 or column >= wide or leashes.state[k, column] != LEASH_UNKNOWN:
                 continue
-            if _is_free(scene, get_vec(a, k, 0), get_vec(b, m, 0), keep, clock):
+            if _is_leash_free(scene, get_vec(a, k, 0), get_vec(b, m, 0), keep, clock):
                 leashes.state[k, column], leashes.open[size] = LEASH_FREE, k * wide + column
                 size += 1
             else:
@@ -240,7 +240,7 @@ def halfway(scene: Array, a: Array, b: Array, keep: float, seconds: float, works
     if spacing * (count - 1) > most:
         return False
     for i in range(count - 1):
-        if not _is_free(obstacles, get_vec(middle, i, 0), get_vec(middle, i + 1, 0), LEASH_SLACK * keep, clock):
+        if not _is_leash_free(obstacles, get_vec(middle, i, 0), get_vec(middle, i + 1, 0), LEASH_SLACK * keep, clock):
             return False
     return True
 

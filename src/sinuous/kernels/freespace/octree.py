@@ -11,7 +11,7 @@ from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import inline
 from sinuous.kernels.fields.distances import Scene, closest, work_of_all
 from sinuous.kernels.freespace.cells import BLOCKED, DIVIDED, EVALUATED, NONE, UNKNOWN, Memory, add_block, block_of
-from sinuous.kernels.freespace.cut_cells import beyond, cut_by, side_of
+from sinuous.kernels.freespace.cut_cells import distance_beyond, find_cut, side_of
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid, middle
 from sinuous.kernels.freespace.keys import child_of, numbers_of, octant_of, parent_of
 from sinuous.kernels.maths.vectors import dot, norm, sub
@@ -23,10 +23,10 @@ LEAF = -2
 """What `block_at` returns for a cell that is not divided, less its number."""
 
 
-def passable(grid: SearchGrid, scene: Scene, key: int) -> tuple[float, int]:
+def classify_cell(grid: SearchGrid, scene: Scene, key: int) -> tuple[float, int]:
     """Distance of the middle of a cell to the obstacles, if all of it can be passed; BLOCKED, or DIVIDED.
 
-    And what cuts it in two, see `halves`; NONE where it is divided into eight, or not at all.
+    And what cuts it in two, see `cut_cells`; NONE where it is divided into eight, or not at all.
     """
     level, _, _, _ = numbers_of(key)
     p, h = middle(grid, key), grid.cell
@@ -48,10 +48,10 @@ def passable(grid: SearchGrid, scene: Scene, key: int) -> tuple[float, int]:
         return BLOCKED, NONE
     if level == 0 or d >= enough:
         return d, NONE
-    return DIVIDED, cut_by(grid, scene, p, edge, which)
+    return DIVIDED, find_cut(grid, scene, p, edge, which)
 
 
-def _halve(memory: Memory, grid: SearchGrid, key: int, cut: int) -> None:
+def _halve_cell(memory: Memory, grid: SearchGrid, key: int, cut: int) -> None:
     """Give a cell two halves; in the open, for there is room in them."""
     block = add_block(memory, key, cut)
     if block != NONE:
@@ -63,10 +63,10 @@ def evaluate_cell(memory: Memory, grid: SearchGrid, scene: Scene, key: int, cell
     """Distance of a cell as the table has it; a cell that nobody examined is examined now."""
     table = memory.table
     if table.distance[cell] == UNKNOWN:
-        table.distance[cell], cut = passable(grid, scene, key)
+        table.distance[cell], cut = classify_cell(grid, scene, key)
         table.size[EVALUATED] += 1
         if cut != NONE:
-            _halve(memory, grid, key, cut)
+            _halve_cell(memory, grid, key, cut)
         spend(memory.clock, work_of_all(scene))
     return float(table.distance[cell])
 
@@ -118,7 +118,7 @@ def leaf_at(memory: Memory, grid: SearchGrid, scene: Scene, key: int) -> int:
     cut = memory.table.cuts[block]
     if cut != NONE:
         side = side_of(scene, cut, middle(grid, key))
-        return 8 * block + side if beyond(scene, cut, side, middle(grid, key)) >= grid.clearance else NONE
+        return 8 * block + side if distance_beyond(scene, cut, side, middle(grid, key)) >= grid.clearance else NONE
     _, x, y, z = numbers_of(key)
     cell = 8 * block + octant_of(x, y, z)
     return cell if evaluate_cell(memory, grid, scene, key, cell) > DIVIDED else NONE

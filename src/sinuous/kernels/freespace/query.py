@@ -14,13 +14,13 @@ from sinuous.kernels.freespace.grid import HALF_DIAGONAL, SearchGrid
 from sinuous.kernels.maths.vectors import ZERO, Array, add_scaled
 
 INFLATION = 2.0
-"""See `grid.Grid`: among obstacles a route costs more than its length, and to find the cheapest one is far dearer."""
+"""See `SearchGrid`: among obstacles a route costs more than its length, and to find the cheapest one is far dearer."""
 
 GREEDY = 1e6
 """The inflation of a proof: it asks whether there is a route, whatever that costs."""
 
 CLEARANCE_WEIGHT = 0.2
-"""See `grid.Grid`: little, because with more the search examines all the room around a narrow place first."""
+"""See `grid.SearchGrid`: little, because with more the search examines all the room around a narrow place first."""
 
 CELL_LEVELS = 7
 """Sizes of cells beside the finest, each twice as large as the one before."""

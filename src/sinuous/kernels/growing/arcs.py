@@ -59,7 +59,7 @@ def start_of(end: Start, q: Vec) -> Start:
     return rotation, sub(end[1], mat_vec(rotation, shift))
 
 
-def aimed(start: Start, target: Vec, length: float) -> tuple[float, float]:
+def bend_towards(start: Start, target: Vec, length: float) -> tuple[float, float]:
     """Bend of the arc of this length on the circle that leads to a target."""
     p = vec_mat(sub(target, start[1]), start[0])
     aside = math.hypot(p[0], p[1])
@@ -76,32 +76,32 @@ def ahead_of(guide: Guide, start: Start, seen: int, segments: float, length: flo
     return min(guide.points.shape[0] - 1, max(0, beside) + int(segments * length / guide.spacing))
 
 
-def _aim(guide: Guide, start: Start, number: int, seen: int, length: float) -> Vec:
+def _aimed_place(guide: Guide, start: Start, number: int, seen: int, length: float) -> Vec:
     """Place of the guide that arcs are aimed at: the point `seen`, or what is one or one and a half segments ahead."""
     return get_vec(guide.points, seen if number == 0 else ahead_of(guide, start, seen, 0.5 * (1.0 + number), length), 0)
 
 
-def _lengths_of(problem: Problem, k: int) -> int:
+def _count_lengths(problem: Problem, k: int) -> int:
     """How many lengths of segment `k` are tried for each place that it is aimed at."""
     return SHARES if problem.limits[k, MAX_LENGTH] > problem.limits[k, MIN_LENGTH] else 1
 
 
-def count_of(problem: Problem, k: int) -> int:
+def count_arcs(problem: Problem, k: int) -> int:
     """How many arcs of segment `k` are tried beyond a chain."""
-    lengths = _lengths_of(problem, k)
+    lengths = _count_lengths(problem, k)
     if problem.limits[k, BEND_SCALE] > 0.0:
         return lengths * (AIMS + 1) + ARC_RINGS * ARC_RAYS
     return STRAIGHT_LENGTHS if lengths > 1 else 1
 
 
-def _straightest(limits: Array, k: int, length: float) -> Vec:
+def _straightest_arc(limits: Array, k: int, length: float) -> Vec:
     """The arc of segment `k` with this length that bends the least."""
     if bends_in_plane(limits, k):
         return project_segment(limits, k, 0.0, 0.0, length)
     return 0.0, 0.0, length
 
 
-def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], seen: int, fraction: float) -> Vec:
+def make_arc(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], seen: int, fraction: float) -> Vec:
     """Arc number `which[1]` of segment `which[0]` beyond `start`: its bends (rad) and its length.
 
     `seen` is the point of the guide that is seen from there; `fraction` says which length is needed, between the least
@@ -110,16 +110,16 @@ def tried(problem: Problem, guide: Guide, start: Start, which: tuple[int, int], 
     limits, (k, number) = problem.limits, which
     low, high = limits[k, MIN_LENGTH], limits[k, MAX_LENGTH]
     if limits[k, BEND_SCALE] == 0.0:
-        return _straightest(limits, k, low + (high - low) * number / (STRAIGHT_LENGTHS - 1.0))
-    lengths = _lengths_of(problem, k)
+        return _straightest_arc(limits, k, low + (high - low) * number / (STRAIGHT_LENGTHS - 1.0))
+    lengths = _count_lengths(problem, k)
     if number < lengths * (AIMS + 1):
         aim, variant = number // lengths, number % lengths
         if variant > 0:
             fraction = LENGTH_INSET if variant == 1 else 1.0 - LENGTH_INSET
         length = low + fraction * (high - low)
         if aim == AIMS:
-            return _straightest(limits, k, length)
-        x, y = aimed(start, _aim(guide, start, aim, seen, length), length)
+            return _straightest_arc(limits, k, length)
+        x, y = bend_towards(start, _aimed_place(guide, start, aim, seen, length), length)
         return project_segment(limits, k, x, y, length)
     number -= lengths * (AIMS + 1)
     ring, ray = number // ARC_RAYS, number % ARC_RAYS

@@ -90,7 +90,7 @@ def _bucket(pose: tuple[Mat, Vec], edge: float, turns: float) -> int:
     return key | 1
 
 
-def differs(beam: Beam, pose: tuple[Mat, Vec], edge: float, turns: float) -> bool:
+def note_new_end(beam: Beam, pose: tuple[Mat, Vec], edge: float, turns: float) -> bool:
     """Whether no chain was noted yet that ends alike; this one is noted from then on.
 
     There are more buckets than chains that are ever noted.
@@ -111,7 +111,7 @@ def _copy_chain(level: Array, to: int, chains: Array, i: int) -> None:
         level[to, j] = chains[i, j]
 
 
-def keep(beam: Beam, k: int, count: int, segment: float) -> int:
+def keep_best(beam: Beam, k: int, count: int, segment: float) -> int:
     """Keep the best of the `count` chains that were made as those of `k` segments; returns how many.
 
     At first none that ends as a better one does, and only some that continue the same one: these share what is wrong
@@ -128,7 +128,7 @@ def keep(beam: Beam, k: int, count: int, segment: float) -> int:
     while size > 0 and kept < width:
         i, size = heap.pop(beam.heap, beam.items, size)
         parent = int(beam.made[i, PARENT])
-        if before[parent, CHILDREN] < children and differs(
+        if before[parent, CHILDREN] < children and note_new_end(
             beam, frame(beam.made, i), END_SPACING * segment, TANGENT_CELLS
         ):
             before[parent, CHILDREN] += 1.0

@@ -69,7 +69,7 @@ RELIEF_DAMPING = 3e-3
 """Damping of a step, in squares of the length of the arc."""
 
 
-def _row(start: Start, q: Vec, s: float, p: Vec, g: Vec) -> tuple[float, float]:
+def _slopes_by_bends(start: Start, q: Vec, s: float, p: Vec, g: Vec) -> tuple[float, float]:
     """Derivatives of the distance of a place `p`, whose gradient is `g`, by the bends of an arc that it is fixed to.
 
     It is fixed where a share `s` of the arc is out, which begins with a pose.
@@ -79,7 +79,7 @@ def _row(start: Start, q: Vec, s: float, p: Vec, g: Vec) -> tuple[float, float]:
     return s * dot(force, add(x[1], cross(x[0], own))), s * dot(force, add(y[1], cross(y[0], own)))
 
 
-def _solved(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec) -> tuple[float, float, float, float]:
+def _solve(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec) -> tuple[float, float, float, float]:
     """Solve the symmetric system of blocks `a` (xx, xy, yy), `b` (rows) and `c`, with the right sides `g` and `h`."""
     det = a[0] * a[2] - a[1] * a[1]
     if det <= 0.0:
@@ -98,7 +98,7 @@ def _solved(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec
     return w0 - u0 * x - v0 * y, w1 - u1 * x - v1 * y, x, y
 
 
-def _closest(scene: Scene, nearby: Nearby, count: int, p: Vec, at: float, reach: float) -> tuple[float, int]:
+def _find_closest(scene: Scene, nearby: Nearby, count: int, p: Vec, at: float, reach: float) -> tuple[float, int]:
     """Least distance, less than `reach`, of a place to what is `nearby`, and the obstacle; infinite, -1: there is none.
 
     The place is so far along an arc. An obstacle does not come nearer than by what the arc goes on.
@@ -118,7 +118,7 @@ def _closest(scene: Scene, nearby: Nearby, count: int, p: Vec, at: float, reach:
     return least, which
 
 
-def _press(
+def _pressure(
     problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int, limit: float
 ) -> tuple[float, float, float, tuple[float, float, float, float]]:
     """Share of an arc that comes out; its deepest overlap, in radii; its pressure; and the change that relieves it.
@@ -144,7 +144,7 @@ def _press(
             out, at = at, min(q[2] if at < q[2] else last, at + step)
             s = at / q[2]
             p = add(start[1], mat_vec(start[0], point(s * q[0], s * q[1], at)))
-            d, which = _closest(scene, nearby, count, p, at, EVALUATION_REACH * radius)
+            d, which = _find_closest(scene, nearby, count, p, at, EVALUATION_REACH * radius)
             step = max(STEP_LENGTH * radius, min(d, EVALUATION_REACH * radius) - radius)
             if at <= q[2] and fits == 1.0:
                 if 1.0 - d / radius > MOST_OVERLAP:
@@ -160,29 +160,29 @@ def _press(
                 if pressure >= limit:
                     return fits, deepest, pressure, (0.0, 0.0, 0.0, 0.0)
                 _, g = obstacle(scene, which, p, d)
-                x, y = _row(start, q, s, p, g)
+                x, y = _slopes_by_bends(start, q, s, p, g)
                 x, y = possible_bend(problem.limits, new[1] - 1 + part, x, y)
                 m = missing * radius
                 u, v = (x, y) if part == 0 else (0.0, 0.0)
                 if part == 1:
                     cxx, cxy, cyy, hx, hy = cxx + x * x, cxy + x * y, cyy + y * y, hx + x * m, hy + y * m
                     if both:
-                        u, v = _row(before[0], two[0], 1.0, p, g)
+                        u, v = _slopes_by_bends(before[0], two[0], 1.0, p, g)
                         u, v = possible_bend(problem.limits, new[1] - 1, u, v)
                         bxx, bxy, byx, byy = bxx + u * x, bxy + u * y, byx + v * x, byy + v * y
                 axx, axy, ayy, gx, gy = axx + u * u, axy + u * v, ayy + v * v, gx + u * m, gy + v * m
     if pressure == 0.0:
         return fits, deepest, pressure, (0.0, 0.0, 0.0, 0.0)
-    change = _solved((axx, axy, ayy), (cxx, cxy, cyy), (bxx, bxy, byx, byy), (gx, gy, 0.0), (hx, hy, 0.0))
+    change = _solve((axx, axy, ayy), (cxx, cxy, cyy), (bxx, bxy, byx, byy), (gx, gy, 0.0), (hx, hy, 0.0))
     return fits, deepest, pressure, change
 
 
-def _relieve(
+def _relieve_arc(
     problem: Problem, before: New, new: New, two: Two, both: bool, nearby: Nearby, count: int, steps: int
 ) -> tuple[Two, float, float, float]:
     """Bend an arc until it is pressed as little as can be; the share that comes out, its overlap and its pressure."""
     k, begin = new[1], new
-    fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, nearby, count, math.inf)
+    fits, deepest, pressure, (u, v, x, y) = _pressure(problem, before, begin, two, both, nearby, count, math.inf)
     step_length = 1.0
     for _ in range(steps if problem.limits[k, BEND_SCALE] > 0.0 else 0):
         size = max(math.hypot(x, y), math.hypot(u, v))
@@ -194,7 +194,7 @@ def _relieve(
             first = project_segment(problem.limits, k - 1, first[0] + step * u, first[1] + step * v, first[2])
             begin = end_of(before[0], first), k, new[2]
         other = project_segment(problem.limits, k, two[1][0] + step * x, two[1][1] + step * y, two[1][2])
-        out, deeper, left, change = _press(problem, before, begin, (first, other), both, nearby, count, pressure)
+        out, deeper, left, change = _pressure(problem, before, begin, (first, other), both, nearby, count, pressure)
         if left >= pressure:
             step_length *= SHORTER_STEP
             continue
@@ -205,7 +205,7 @@ def _relieve(
     return two, fits, deepest, pressure
 
 
-def come_out(
+def bend_off_walls(
     problem: Problem, before: New, new: New, two: Two, joint: bool, nearby: Nearby, steps: int
 ) -> tuple[Two, float, float]:
     """Bend an arc off the obstacles, if need be with the one before it, and cut it to the part that fits.
@@ -217,7 +217,7 @@ def come_out(
         The arc before it, and itself.
     two : Two
         Their coordinates.
-    junction : bool
+    joint : bool
         Whether the arc before it may change: there is one, and its end is not asked to be anywhere.
     nearby : Nearby
         Scratch.
@@ -240,13 +240,13 @@ def come_out(
     )
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
-    bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, nearby, count, steps)
+    bent, fits, overlap, pressure = _relieve_arc(problem, before, new, two, False, nearby, count, steps)
     if pressure == 0.0:
         return bent, 0.0, 0.0
     if joint and problem.limits[k, BEND_SCALE] > 0.0 and (fits < 1.0 or overlap > SHALLOW):
         reach = ARC_REACH * (two[0][2] + q[2]) + (EVALUATION_REACH + RADII_AHEAD) * radius
         count, _ = few_near(problem.scene, position, reach, nearby.numbers)
-        both, more, deepest, left = _relieve(problem, before, new, two, True, nearby, count, steps)
+        both, more, deepest, left = _relieve_arc(problem, before, new, two, True, nearby, count, steps)
         if more > fits or (more == fits and deepest < overlap):
             bent, fits, overlap, pressure = both, more, deepest, left
     length = fits * q[2]

@@ -11,7 +11,7 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, read_scene, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
 from sinuous.kernels.freespace.band import respace
-from sinuous.kernels.growing.guide import SIGHT_EVALUATIONS, Guide, visible
+from sinuous.kernels.growing.guide import SIGHT_EVALUATIONS, Guide, sees_point
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, copy, get_vec, norm, put_vec, sub
 
@@ -36,7 +36,7 @@ def detours_size(count: int) -> int:
     return CLOCK_SIZE + count + 3 * (count + 1)
 
 
-def _aside(guide: Guide, numbers: Array, missing: float) -> Vec:
+def _draw_place_aside(guide: Guide, numbers: Array, missing: float) -> Vec:
     """Return a place beside the guide, given random numbers (4,) from 0 to 1."""
     at = get_vec(guide.points, int(numbers[0] * guide.points.shape[0]), 0)
     height, turn = 2.0 * numbers[1] - 1.0, 2.0 * math.pi * numbers[2]
@@ -45,7 +45,7 @@ def _aside(guide: Guide, numbers: Array, missing: float) -> Vec:
     return add_scaled(at, off, (level * math.cos(turn), level * math.sin(turn), height))
 
 
-def _longest(guide: Guide, away: Array, missing: float) -> tuple[int, int]:
+def _find_longest_detour(guide: Guide, away: Array, missing: float) -> tuple[int, int]:
     """Points between which a detour adds most, but no more than is missing; (0, 0): there is none.
 
     `away` (K,) are the distances of the points from the place that it leads by, infinite where they do not see it.
@@ -74,7 +74,7 @@ def add_detours(
         Length, in the length unit.
     radius : float
         Of the body, in the length unit.
-    numbers : ndarray (TURNS, NUMBERS)
+    numbers : ndarray (MOST_DETOURS, NUMBERS)
         Random, from 0 to 1.
     seconds : float
         Budget.
@@ -96,14 +96,14 @@ def add_detours(
         if length >= LONG_ENOUGH * wanted or spend(clock, units):
             break
         guide = Guide(points, spacing, ZERO, radius, 0.0)
-        place = _aside(guide, numbers[turn], wanted - length)
+        place = _draw_place_aside(guide, numbers[turn], wanted - length)
         if closest(obstacles, place, PLACE_CLEARANCE * radius, INTERPOLATED)[0] < PLACE_CLEARANCE * radius:
             continue
         for i in range(count):
             away[i] = norm(sub(place, get_vec(points, i, 0)))
-            if spend(clock, units) or not visible(obstacles, guide, place, i):
+            if spend(clock, units) or not sees_point(obstacles, guide, place, i):
                 away[i] = math.inf
-        first, last = _longest(guide, away, wanted - length)
+        first, last = _find_longest_detour(guide, away, wanted - length)
         if last > first:
             copy(points[: first + 1], line)
             put_vec(line, first + 1, 0, place)

@@ -17,7 +17,7 @@ from sinuous.kernels.clock import SEGMENT_WORK, begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import closest, work_of_all
 from sinuous.kernels.fields.solids import INTERPOLATED
-from sinuous.kernels.growing.arcs import ARCS, Start, ahead_of, count_of, end_of, start_of, thickness, tried
+from sinuous.kernels.growing.arcs import ARCS, Start, ahead_of, count_arcs, end_of, make_arc, start_of, thickness
 from sinuous.kernels.growing.beam import (
     CHAIN_LENGTH,
     COST,
@@ -32,13 +32,13 @@ from sinuous.kernels.growing.beam import (
     SEGMENT_BEFORE_Q,
     Beam,
     carve_beam,
-    differs,
     empty_buckets,
-    keep,
+    keep_best,
+    note_new_end,
 )
-from sinuous.kernels.growing.bending import RELIEF_STEPS, RELIEF_STEPS_AT_RANDOM, come_out
-from sinuous.kernels.growing.guide import leads, needed, sighted
-from sinuous.kernels.growing.legs import Leg, leg_to, missed
+from sinuous.kernels.growing.bending import RELIEF_STEPS, RELIEF_STEPS_AT_RANDOM, bend_off_walls
+from sinuous.kernels.growing.guide import is_route, last_seen, needed_length
+from sinuous.kernels.growing.legs import Leg, distance_to_target, make_leg
 from sinuous.kernels.growing.meeting import meets_itself
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
@@ -77,15 +77,15 @@ def _tangent(start: Start) -> Vec:
     return start[0][0][2], start[0][1][2], start[0][2][2]
 
 
-def _score(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
+def _score_chain(problem: Problem, leg: Leg, k: int, end: Start, seen: int) -> float:
     """What is amiss with a chain whose segment `k` is the last and ends with this pose."""
     mean = problem.unit / problem.limits.shape[0]
     if k == leg.last:
-        return SHORT_COST * missed(problem, leg, end) / mean
+        return SHORT_COST * distance_to_target(problem, leg, end) / mean
     low, high = length_range(problem.limits[k + 1 : leg.last + 1])
-    need = max(0.0, needed(leg.guide, end[1], _tangent(end), seen) - leg.around)
+    need = max(0.0, needed_length(leg.guide, end[1], _tangent(end), seen) - leg.around)
     short = max(0.0, need - high) / mean
-    long = max(0.0, low - LEEWAY * need) / (mean * (leg.last - k)) if leads(leg.guide) else 0.0
+    long = max(0.0, low - LEEWAY * need) / (mean * (leg.last - k)) if is_route(leg.guide) else 0.0
     return SHORT_COST * short + LONG_COST * long
 
 
@@ -99,14 +99,14 @@ def _list_arcs(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> in
     low, high = length_range(problem.limits[k : leg.last + 1])
     for i in range(count):
         start, seen = frame(level, i), int(level[i, GUIDE_POINT])
-        need = needed(leg.guide, start[1], _tangent(start), seen) - leg.around
+        need = needed_length(leg.guide, start[1], _tangent(start), seen) - leg.around
         fraction = min(1.0, max(0.0, (need - low) / (high - low))) if high > low else 0.0
         ahead = max(seen, ahead_of(leg.guide, start, seen, 1.5, problem.limits[k, MAX_LENGTH]))
         if spend(beam.clock, SEGMENT_WORK * ARCS):
             return 0
-        for number in range(count_of(problem, k)):
-            q = tried(problem, leg.guide, start, (k, number), seen, fraction)
-            score = level[i, COST] + _score(problem, leg, k, end_of(start, q), ahead)
+        for number in range(count_arcs(problem, k)):
+            q = make_arc(problem, leg.guide, start, (k, number), seen, fraction)
+            score = level[i, COST] + _score_chain(problem, leg, k, end_of(start, q), ahead)
             put_vec(beam.arcs, i * ARCS + number, 0, q)
             size = heap.push(beam.heap, beam.items, size, score, i * ARCS + number)
     return size
@@ -121,7 +121,7 @@ def _draw_arcs(problem: Problem, leg: Leg, beam: Beam, k: int, count: int) -> in
         i = item // each
         scattered(problem.limits[k : k + 1], item, beam.levels.shape[1] + k, math.inf, beam.arcs[item : item + 1])
         end = end_of(frame(level, i), get_vec(beam.arcs, item, 0))
-        score = level[i, COST] + _score(problem, leg, k, end, 1)
+        score = level[i, COST] + _score_chain(problem, leg, k, end, 1)
         chance = uniform(np.uint64(item) + np.uint64(k) * APART)
         size = heap.push(beam.heap, beam.items, size, score + chance, item)
     return size
@@ -137,24 +137,24 @@ def _continue_chain(problem: Problem, leg: Leg, beam: Beam, k: int, which: tuple
     own, aim = get_vec(level, i, LAST_SEGMENT_Q), get_vec(beam.arcs, item, 0)
     joint = k > leg.first and problem.limits[k - 1, BEND_SCALE] > 0.0
     before = (start_of(start, own), k - 1, along - own[2]) if joint else (start, k, along)
-    steps = RELIEF_STEPS if leads(leg.guide) else RELIEF_STEPS_AT_RANDOM
-    (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.nearby, steps)
+    steps = RELIEF_STEPS if is_route(leg.guide) else RELIEF_STEPS_AT_RANDOM
+    (own, q), overlap, tight = bend_off_walls(problem, before, (start, k, along), (own, aim), joint, beam.nearby, steps)
     start = end_of(before[0], own) if joint else start
     if overlap == math.inf or (problem.avoids_itself and meets_itself(problem, beam.levels, k, i, start, q)):
         return False
     end = end_of(start, q)
-    if not differs(beam, end, FINE_SPACING * mean, FINE_TANGENT_CELLS):
+    if not note_new_end(beam, end, FINE_SPACING * mean, FINE_TANGENT_CELLS):
         return False
     seen, cost = int(level[i, GUIDE_POINT]), OVERLAP_COST * max(0.0, overlap) ** 2 + PRESSURE_COST * tight
-    looks = leads(leg.guide) and along + q[2] > problem.mount
-    found = sighted(problem.scene, leg.guide, end[1], seen) if looks else seen
+    looks = is_route(leg.guide) and along + q[2] > problem.mount
+    found = last_seen(problem.scene, leg.guide, end[1], seen) if looks else seen
     seen = found if found >= 0 else seen
     put_frame(new, made, end[0], end[1])
     put_vec(new, made, LAST_SEGMENT_Q, q)
     put_vec(new, made, SEGMENT_BEFORE_Q, own)
     new[made, CHAIN_LENGTH], new[made, PARENT], new[made, GUIDE_POINT] = along + q[2], i, seen
     new[made, COST] = level[i, COST] + cost
-    new[made, SCORE] = new[made, COST] + _score(problem, leg, k, end, seen) + (UNSEEN_COST if found < 0 else 0.0)
+    new[made, SCORE] = new[made, COST] + _score_chain(problem, leg, k, end, seen) + (UNSEEN_COST if found < 0 else 0.0)
     if k == leg.last:
         new[made, COST] = new[made, SCORE]
     return True
@@ -165,7 +165,7 @@ def _make_chains(problem: Problem, leg: Leg, beam: Beam, k: int, size: int, each
 
     Without a route scores tell little, so no more chains are made than are kept. Returns how many chains that makes.
     """
-    most = beam.made.shape[0] if leads(leg.guide) else beam.levels.shape[1]
+    most = beam.made.shape[0] if is_route(leg.guide) else beam.levels.shape[1]
     count, left, units = 0, ARCS_PER_CHAIN * most, ARC_WORK * work_of_all(problem.scene)
     empty_buckets(beam)
     while size > 0 and (left > 0 or count == 0) and count < most:
@@ -242,20 +242,20 @@ def grow_chains(
         put_vec(levels[0], i, LAST_SEGMENT_Q, ZERO)
     k, mean = 0, problem.unit / problem.limits.shape[0]
     for number in range(legs.shape[0]):
-        leg = leg_to(problem, legs[number], number, k)
+        leg = make_leg(problem, legs[number], number, k)
         for i in range(counts[k]):
-            seen = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0)) if leads(leg.guide) else 1
+            seen = max(0, last_seen(problem.scene, leg.guide, frame(levels[k], i)[1], 0)) if is_route(leg.guide) else 1
             levels[k, i, GUIDE_POINT] = seen
         while k <= min(leg.last, counts.shape[0] - 2) and counts[k] > 0:
             if open_from < math.inf and _find_open_ends(problem, beam, k, counts[k], open_from):
                 return True
-            if leads(leg.guide):
+            if is_route(leg.guide):
                 each, promised = ARCS, _list_arcs(problem, leg, beam, k, counts[k])
             else:
                 each, promised = beam.arcs.shape[0] // counts[k], _draw_arcs(problem, leg, beam, k, counts[k])
             made = _make_chains(problem, leg, beam, k, promised, each)
             k += 1
-            counts[k] = keep(beam, k, made, mean)
+            counts[k] = keep_best(beam, k, made, mean)
         if counts[k] == 0 or k == counts.shape[0] - 1:
             return False
     return False

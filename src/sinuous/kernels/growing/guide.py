@@ -3,6 +3,7 @@
 import math
 from collections import namedtuple
 
+from sinuous.kernels.body.chords import nearest_share
 from sinuous.kernels.chain.single_arc import arc_length
 from sinuous.kernels.fields.distances import Scene, evaluate, is_large
 from sinuous.kernels.fields.hierarchy import crossed_leaf, item_of, tree_over
@@ -31,25 +32,24 @@ Guide = namedtuple("Guide", ["points", "spacing", "back", "radius", "turn"])
 at its end (zero: from anywhere); the radius of the body and of its tightest turn."""
 
 
-def leads(guide: Guide) -> bool:
+def is_route(guide: Guide) -> bool:
     """Whether it is a route: two points are only where one begins and ends."""
     return guide.points.shape[0] > 2
 
 
-def _passes(scene: Scene, j: int, p: Vec, line: Vec, clear: float) -> bool:
+def _passes_ball(scene: Scene, j: int, p: Vec, line: Vec, clear: float) -> bool:
     """Whether a line from `p` keeps `clear` of the ball about obstacle `j`: most primitives are far away."""
     if scene.table[j, KIND] >= TREE:
         return False
-    away, square, far = sub(get_vec(scene.table, j, CENTER), p), dot(line, line), clear + scene.table[j, EXTENT]
-    fraction = min(1.0, max(0.0, dot(away, line) / square)) if square > 0.0 else 0.0
-    off = add_scaled(away, -fraction, line)
+    center, far = get_vec(scene.table, j, CENTER), clear + scene.table[j, EXTENT]
+    off = add_scaled(sub(center, p), -nearest_share(center, p, line), line)
     return bool(dot(off, off) >= far * far)
 
 
-def _hides(scene: Scene, j: int, p: Vec, line: Vec, radius: float) -> bool:
+def _blocks_line(scene: Scene, j: int, p: Vec, line: Vec, radius: float) -> bool:
     """Whether obstacle `j` is on a line from `p`, or too near to it: what is far away is passed in one evaluation."""
     length, clear = norm(line), SIGHT_CLEARANCE * radius
-    if _passes(scene, j, p, line, clear):
+    if _passes_ball(scene, j, p, line, clear):
         return False
     gone, reach = 0.0, FIRST_REACH * radius
     for _ in range(SIGHT_EVALUATIONS):
@@ -63,48 +63,47 @@ def _hides(scene: Scene, j: int, p: Vec, line: Vec, radius: float) -> bool:
     return gone < length
 
 
-def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
+def sees_point(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
     """Whether the line from `p` to point `i` of the guide is free; each obstacle is examined by itself."""
     line = sub(get_vec(guide.points, i, 0), p)
     if is_large(scene):
-        return _visible_among_many(scene, p, line, guide.radius)
+        return _sees_among_many(scene, p, line, guide.radius)
     for j in range(scene.table.shape[0]):  # noqa: SIM110 (a kernel)
-        if _hides(scene, j, p, line, guide.radius):
+        if _blocks_line(scene, j, p, line, guide.radius):
             return False
     return True
 
 
-def _visible_among_many(scene: Scene, p: Vec, line: Vec, radius: float) -> bool:
+def _sees_among_many(scene: Scene, p: Vec, line: Vec, radius: float) -> bool:
     """The same in a large scene."""
     tree, node, j = tree_over(scene.store), 0, -1
     for at in range(HIERARCHY_HEADER, tree.items):
-        if _hides(scene, int(scene.store[at]), p, line, radius):
+        if _blocks_line(scene, int(scene.store[at]), p, line, radius):
             return False
     while True:
         node = crossed_leaf(scene.store, tree, node, p, line, SIGHT_CLEARANCE * radius)
         if node == 0:
             return True
-        at, before = item_of(tree, node), j
-        j = int(scene.store[at]) if at >= 0 else j
-        if j != before and _hides(scene, j, p, line, radius):
+        before, j = j, int(scene.store[item_of(tree, node)])
+        if j != before and _blocks_line(scene, j, p, line, radius):
             return False
 
 
-def sighted(scene: Scene, guide: Guide, p: Vec, since: int) -> int:
+def last_seen(scene: Scene, guide: Guide, p: Vec, since: int) -> int:
     """Point of the guide farthest along it that is seen from `p`, sought from point `since` on; -1: none is seen."""
     i, last = since, guide.points.shape[0] - 1
-    if visible(scene, guide, p, last):
+    if sees_point(scene, guide, p, last):
         return last
     unit = max(1, int(guide.radius / guide.spacing))
     back = unit
-    while not visible(scene, guide, p, i):
+    while not sees_point(scene, guide, p, i):
         if i == 0:
             return -1
         i = max(0, i - back)
         back *= 2
     ahead = unit
     while ahead >= unit:
-        if i + ahead <= last and visible(scene, guide, p, i + ahead):
+        if i + ahead <= last and sees_point(scene, guide, p, i + ahead):
             i += ahead
             ahead *= 2
         else:
@@ -112,14 +111,14 @@ def sighted(scene: Scene, guide: Guide, p: Vec, since: int) -> int:
     return i
 
 
-def _back(guide: Guide, i: int) -> Vec:
+def _direction_back(guide: Guide, i: int) -> Vec:
     """Where the guide comes from at its point `i`; zero where it may come from anywhere."""
     if i == guide.points.shape[0] - 1:
         return guide.back
     return sub(get_vec(guide.points, i, 0), get_vec(guide.points, i + 1, 0))
 
 
-def _turning(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
+def _turning_length(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
     """Length of backbone that leads from `p`, along a unit tangent, to point `i` of the guide and there into it."""
     line = sub(get_vec(guide.points, i, 0), p)
     chord = norm(line)
@@ -132,12 +131,12 @@ def _turning(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
         length = min(length, arc_length(chord, half))
     # The arc arrives along the mirror image of the tangent that it leaves along.
     arrives = sub(scale(2.0 * dot(tangent, towards), towards), tangent)
-    back = _back(guide, i)
+    back = _direction_back(guide, i)
     if norm(back) > 0.0:
         length += TURN_LENGTH * guide.turn * math.acos(min(1.0, max(-1.0, -dot(arrives, back) / norm(back))))
     return length
 
 
-def needed(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
+def needed_length(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
     """Length of backbone that is needed from `p`, with a unit tangent, by point `i` of the guide to its end."""
-    return _turning(guide, p, tangent, i) + (guide.points.shape[0] - 1 - i) * guide.spacing
+    return _turning_length(guide, p, tangent, i) + (guide.points.shape[0] - 1 - i) * guide.spacing

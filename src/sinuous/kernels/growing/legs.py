@@ -4,7 +4,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.chain.kinematics import compose, frame
-from sinuous.kernels.freespace.band import span
+from sinuous.kernels.freespace.band import line_length
 from sinuous.kernels.growing.arcs import Start, thickness
 from sinuous.kernels.growing.guide import Guide
 from sinuous.kernels.maths.vectors import ZERO, Array, dot, get_vec, norm, sub
@@ -23,7 +23,7 @@ Leg = namedtuple("Leg", ["guide", "target", "first", "last", "around"])
 how far from the end of the guide the backbone ends, because of a tool."""
 
 
-def _target(problem: Problem, number: int) -> tuple[int, int]:
+def _find_target(problem: Problem, number: int) -> tuple[int, int]:
     """The target that leg `number` leads to, and the segment that it concerns; targets are in the order of those."""
     n = problem.limits.shape[0]
     found, last = -1, -1
@@ -36,7 +36,7 @@ def _target(problem: Problem, number: int) -> tuple[int, int]:
     return found, min(last, n - 1)
 
 
-def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
+def make_leg(problem: Problem, points: Array, number: int, first: int) -> Leg:
     """Leg `number`, from segment `first` on, along points (K, 3), which are evenly spaced, or nearly so."""
     limits, count = problem.limits, points.shape[0]
     radius, turn = math.inf, LARGEST_TURN_RADIUS * problem.unit
@@ -45,13 +45,13 @@ def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
         own = limits[k, MIN_LENGTH] if limits[k, MIN_LENGTH] > 0.0 else limits[k, MAX_LENGTH]
         if limits[k, MAX_BEND] > 0.0:
             turn = min(turn, own / limits[k, MAX_BEND])
-    target, last = _target(problem, number)
+    target, last = _find_target(problem, number)
     _, around = backbone_end(problem, target, last)
     back = tangent_back(problem.targets, target) if around == 0.0 else ZERO
-    return Leg(Guide(points, span(points, count) / (count - 1), back, radius, turn), target, first, last, around)
+    return Leg(Guide(points, line_length(points, count) / (count - 1), back, radius, turn), target, first, last, around)
 
 
-def missed(problem: Problem, leg: Leg, end: Start) -> float:
+def distance_to_target(problem: Problem, leg: Leg, end: Start) -> float:
     """How far a chain that ends with this pose is from the target of the leg, as a length."""
     n = problem.limits.shape[0]
     if leg.last == n - 1:

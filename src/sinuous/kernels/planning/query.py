@@ -11,9 +11,9 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths import buffers
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.shortcuts import Exactness, Path, bound_worst, forget_edges, joins, shorten, skip
+from sinuous.kernels.planning.shortcuts import Exactness, Path, bound_worst, forget_edges, joins, shorten, skip_knots
 from sinuous.kernels.planning.space import Space
-from sinuous.kernels.planning.trees import GONE, GrowthTerms, Trees, cut, grow, path_through, plant, prove_trees
+from sinuous.kernels.planning.trees import GONE, GrowthTerms, Trees, cut_off, grow, path_through, plant, prove_trees
 from sinuous.kernels.problem import Robot, read_robot
 from sinuous.kernels.tables import RIGID
 
@@ -63,7 +63,7 @@ def nodes_of(workspace: Array, segments: int) -> Array:
     return nodes
 
 
-def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
+def _join_straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
     """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
     for i in range(goals.shape[0]):
         if joins(space, start, goals[i], exact, exact.slack, path.answers[0]):
@@ -73,18 +73,18 @@ def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: 
     return 0
 
 
-def _finish(
+def _finish_path(
     space: Space, path: Path, count: int, asked: PlanRequest, exact: Exactness, pair: Array, sure: bool
 ) -> tuple[int, int]:
     """Leave out of a path what can be left out, and prove its edges with bounds.
 
-    Returns how many knots are left, and which edge turned out not to be clear; see `skip`.
+    Returns how many knots are left, and which edge turned out not to be clear; see `skip_knots`.
     """
     _, _, seconds, seed, _, _, tries = asked
     allow(space.sweep.clock, FOR_PROOF * seconds)
-    count, wrong = skip(space, path, count, exact, sure)
+    count, wrong = skip_knots(space, path, count, exact, sure)
     if tries > 0 and count > 2:
-        count, _ = skip(space, path, shorten(space, path, count, tries, seed, exact, pair), exact, True)
+        count, _ = skip_knots(space, path, shorten(space, path, count, tries, seed, exact, pair), exact, True)
     bound_worst(space, path, count, exact)
     return count, wrong
 
@@ -110,10 +110,10 @@ def _grow_path(space: Space, trees: Trees, path: Path, asked: PlanRequest, exact
             if count == 0:
                 return 0
             forget_edges(path, count)
-            count, wrong = _finish(space, path, count, asked, exact, pair, False)
+            count, wrong = _finish_path(space, path, count, asked, exact, pair, False)
             if wrong < 0:
                 return count
-            cut(trees, one, other, wrong)
+            cut_off(trees, one, other, wrong)
             resume(space.sweep.clock, deadline)
         if unproved:
             prove_trees(space, trees, exact.loose)
@@ -166,13 +166,13 @@ def plan(
     trees, path = _carve_trees(rest, own.limits.shape[0]), Path(q, answers)
     if count > 0:
         forget_edges(path, count)
-        return int(_finish(space, path, count, asked, exact, pair, True)[0])
+        return int(_finish_path(space, path, count, asked, exact, pair, True)[0])
     if first == 0:
         trees.counts[0] = trees.counts[1] = 0
         plant(trees, 0, ends[0])
     for i in range(1, ends.shape[0]):
         plant(trees, 1, ends[i])
-    count = _straight(space, ends[0], ends[1:], exact, path)
+    count = _join_straight(space, ends[0], ends[1:], exact, path)
     if count == 0:
         count = _grow_path(space, trees, path, asked, exact, pair)
     else:

@@ -1,6 +1,6 @@
 """Shortcuts: a path is pulled tight, every edge proved clear, with bounds of how clear.
 
-An edge has an answer (14,), see `between.query`: its verdict, until when it is proved, and what was seen.
+An edge has an answer (14,), see `certificate.query`: its verdict, until when it is proved, and what was seen.
 
 `p` (n, 3) and `q` (n, 3) are the ends of an edge.
 """
@@ -48,18 +48,18 @@ def path_length(space: Space, path: Path, count: int) -> float:
     return total
 
 
-def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
+def prove_clear(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
     """Prove an edge that is thought to be clear, and fill its answer (14,): first that it is, then how clear."""
     verdict, until = prove_edge(space, p, q, exact.finest, False)
-    clear = _keep(space, verdict, until, answer)
+    clear = _keep_answer(space, verdict, until, answer)
     if clear:
         verdict, until = bound_edge(space, p, q, exact.of_edges, exact.finest)
         if verdict == CLEAR:
-            _keep(space, verdict, until, answer)
+            _keep_answer(space, verdict, until, answer)
     return clear
 
 
-def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
+def _keep_answer(space: Space, verdict: int, until: float, answer: Array) -> bool:
     """Fill an answer (14,) with what was proved last; say whether it is CLEAR."""
     answer[VERDICT], answer[UNTIL] = verdict, until
     for row in range(2):
@@ -73,7 +73,7 @@ def joins(space: Space, p: Array, q: Array, exact: Exactness, slack: float, answ
     if not seems_clear(space, p, q, exact.coarse):
         return False
     verdict, until = bound_edge(space, p, q, slack, exact.loose)
-    return verdict == CLEAR and _keep(space, verdict, until, answer)
+    return verdict == CLEAR and _keep_answer(space, verdict, until, answer)
 
 
 def _least_clear(path: Path, count: int, seen: int) -> int:
@@ -97,7 +97,7 @@ def bound_worst(space: Space, path: Path, count: int, exact: Exactness) -> None:
             if i < 0 or i == last or not _can_be_tighter(space, path, i, row, exact):
                 break
             last = i
-            _recall(space, path.answers[i])
+            _recall_answer(space, path.answers[i])
             if not bound_edge_again(space, path.q[i], path.q[i + 1], exact.slack, exact.finest, row):
                 break
             for column in range(CLEARANCES_WIDTH):
@@ -115,14 +115,14 @@ def _can_be_tighter(space: Space, path: Path, i: int, row: int, exact: Exactness
     return bool(low < (1.0 - exact.slack) * best_bound(space, path.q[i], path.q[i + 1], row))
 
 
-def _recall(space: Space, answer: Array) -> None:
+def _recall_answer(space: Space, answer: Array) -> None:
     """Let the space have `seen` what an answer (14,) says."""
     for row in range(2):
         for column in range(CLEARANCES_WIDTH):
             space.seen[row, column] = answer[CLEARANCES + row * CLEARANCES_WIDTH + column]
 
 
-def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> tuple[int, int]:
+def skip_knots(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> tuple[int, int]:
     """Leave out configurations where the motion past them is clear, and prove the rest.
 
     From each configuration the motion to the last one is tried, then to one half as far away, and so on. When it is
@@ -143,7 +143,7 @@ def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> 
             if path.answers[at, VERDICT] == CLEAR:
                 copy(path.answers[at : at + 1], path.answers[kept : kept + 1])
             elif sure or not joins(space, path.q[kept], path.q[at + 1], exact, exact.of_edges, path.answers[kept]):
-                clear = prove(space, path.q[kept], path.q[at + 1], exact, path.answers[kept])
+                clear = prove_clear(space, path.q[kept], path.q[at + 1], exact, path.answers[kept])
                 if not (clear or sure or late(space.sweep.clock)):
                     return 0, at
         at += far
@@ -152,24 +152,23 @@ def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> 
     return kept + 1, -1
 
 
-def _place(space: Space, path: Path, count: int, along: float, out: Array) -> int:
+def _put_place_on_path(space: Space, path: Path, count: int, along: float, out: Array) -> int:
     """Fill `out` (n, 3) with the configuration at a length along the path; return the edge that it is on."""
-    for i in range(count - 1):
+    i, length = 0, distance(path.q[0], path.q[1], space.levers)
+    while along > length and i < count - 2:
+        along, i = along - length, i + 1
         length = distance(path.q[i], path.q[i + 1], space.levers)
-        if along <= length or i == count - 2:
-            interpolate(path.q[i], path.q[i + 1], min(1.0, along / length) if length > 0.0 else 0.0, out)
-            return i
-        along -= length
-    return 0
+    interpolate(path.q[i], path.q[i + 1], min(1.0, along / length) if length > 0.0 else 0.0, out)
+    return i
 
 
-def _move(path: Path, i: int, to: int) -> None:
+def _move_knot(path: Path, i: int, to: int) -> None:
     """Put configuration `i`, and the answer of the edge that begins there, in another place."""
     copy(path.q[i], path.q[to])
     copy(path.answers[i : i + 1], path.answers[to : to + 1])
 
 
-def _replace(path: Path, count: int, a: int, b: int, ends: Array, answer: Array) -> int:
+def _replace_edges(path: Path, count: int, a: int, b: int, ends: Array, answer: Array) -> int:
     """Put an edge, `ends` (2, n, 3), in the place of what lies between edges `a` < `b`; return the number then.
 
     What is left of these edges is as clear as they were.
@@ -178,12 +177,12 @@ def _replace(path: Path, count: int, a: int, b: int, ends: Array, answer: Array)
     last = path.answers[b : b + 1]
     if moved > 0:
         for i in range(count - 1, b, -1):
-            _move(path, i, i + moved)
+            _move_knot(path, i, i + moved)
         copy(path.answers[b : b + 1], path.answers[a + 2 : a + 3])
     else:
         copy(last, path.answers[a + 2 : a + 3])
         for i in range(b + 1, count):
-            _move(path, i, i + moved)
+            _move_knot(path, i, i + moved)
     copy(ends[0], path.q[a + 1])
     copy(ends[1], path.q[a + 2])
     copy(answer, path.answers[a + 1 : a + 2])
@@ -203,10 +202,10 @@ def shorten(space: Space, path: Path, count: int, tries: int, seed: int, exact: 
             break
         length = path_length(space, path, count)
         low, high = random(i, seed, 0), random(i, seed, 1)
-        a = _place(space, path, count, length * min(low, high), ends[0])
-        b = _place(space, path, count, length * max(low, high), ends[1])
+        a = _put_place_on_path(space, path, count, length * min(low, high), ends[0])
+        b = _put_place_on_path(space, path, count, length * max(low, high), ends[1])
         if b <= a or not seems_clear(space, ends[0], ends[1], exact.coarse):
             continue
-        if prove(space, ends[0], ends[1], exact, answer[0]):
-            count = _replace(path, count, a, b, ends, answer)
+        if prove_clear(space, ends[0], ends[1], exact, answer[0]):
+            count = _replace_edges(path, count, a, b, ends, answer)
     return count

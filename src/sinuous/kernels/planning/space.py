@@ -71,12 +71,17 @@ def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
     interpolate(start, out, admissible_step(space.robot.actuation, start, out), out)
 
 
+def _edge(space: Space, p: Array, q: Array) -> Motion:
+    """The motion from `p` to `q` (n, 3), in which no obstacle moves."""
+    return Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
+
+
 def seems_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
     """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first.
 
     Then the space has `seen` the least of all of them, and `bound_edge` goes on from there.
     """
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
+    motion = _edge(space, p, q)
     accuracy = Accuracy(1.0, finest, 0.0, space.mount, False)
     narrow_obstacles(motion, space.sweep, accuracy, space.seen)
     forget(space.seen)
@@ -97,7 +102,7 @@ def probe_edge(space: Space, p: Array, q: Array, back: float, least: float, fine
     would be: most ways that go nowhere are stopped there. Then evaluations go on between the last time when nothing
     touches and the first when something does, by their geometric mean.
     """
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
+    motion = _edge(space, p, q)
     accuracy = Accuracy(1.0, finest, 0.0, space.mount, False)
     narrow_obstacles(motion, space.sweep, accuracy, space.seen)
     clear, touching, parts = 1.0, math.inf, EDGE_PARTS
@@ -136,19 +141,17 @@ def _bracket_contact(
 
 def prove_edge(space: Space, p: Array, q: Array, finest: float, prefix: bool) -> tuple[int, float]:
     """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `certify` and `Accuracy`."""
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    return certify(motion, space.sweep, Accuracy(1.0, finest, 0.0, space.mount, prefix), space.seen)
+    return certify(_edge(space, p, q), space.sweep, Accuracy(1.0, finest, 0.0, space.mount, prefix), space.seen)
 
 
 def bound_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
     """The same for a motion that was examined last, or proved without a tight bound; see `certify_again`."""
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
-    return certify_again(motion, space.sweep, Accuracy(slack, finest, 0.0, space.mount, False), space.seen)
+    return certify_again(_edge(space, p, q), space.sweep, Accuracy(slack, finest, 0.0, space.mount, False), space.seen)
 
 
 def bound_edge_again(space: Space, p: Array, q: Array, slack: float, finest: float, row: int) -> bool:
     """Bound one row of what is `seen` of a motion that is proved clear more tightly; see `bound_again`."""
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
+    motion = _edge(space, p, q)
     return bound_again(motion, space.sweep, Accuracy(slack, finest, 0.0, space.mount, False), space.seen, row)
 
 

@@ -49,7 +49,7 @@ def plant(trees: Trees, side: int, q: Array) -> None:
     trees.counts[side] += 1
 
 
-def _nearest(trees: Trees, side: int, q: Array, levers: Array) -> int:
+def _find_nearest(trees: Trees, side: int, q: Array, levers: Array) -> int:
     """The node of a tree that is nearest to a configuration."""
     least, at = math.inf, 0
     for i in range(trees.counts[side]):
@@ -92,7 +92,7 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
 
 def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: GrowthTerms) -> int:
     """Let a tree grow towards `goal` (n, 3) until it is there, and return that node; -1 where it is stopped."""
-    at = _nearest(trees, side, goal, space.levers)
+    at = _find_nearest(trees, side, goal, space.levers)
     while trees.counts[side] < trees.q.shape[1]:
         at, there = _extend(space, trees, side, at, goal, terms)
         if at < 0 or there:
@@ -102,7 +102,7 @@ def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: GrowthTe
     return -1
 
 
-def _behind(trees: Trees) -> int:
+def _find_smaller_tree(trees: Trees) -> int:
     """The tree that has far fewer nodes than the other; -1: none has."""
     if BEHIND * trees.counts[0] < trees.counts[1]:
         return 0
@@ -132,11 +132,11 @@ def grow(space: Space, trees: Trees, terms: GrowthTerms, first: int, last: int) 
             return -1, -1, last
         draw(space, trees.q[0, 0], index, terms.seed, trees.drawn)
         fine = COARSE_DRAW if index % 4 != 3 else FINER_DRAW if index % 16 != 15 else FINEST_DRAW
-        own = _as_fine(terms, fine)
-        side, behind = index % 2 if fine == COARSE_DRAW else index // 4 % 2, _behind(trees)
+        own = _refine_terms(terms, fine)
+        side, behind = index % 2 if fine == COARSE_DRAW else index // 4 % 2, _find_smaller_tree(trees)
         if behind >= 0:
             side = behind if index % 4 > 0 else 1 - behind
-        at = _nearest(trees, side, trees.drawn, space.levers)
+        at = _find_nearest(trees, side, trees.drawn, space.levers)
         if side == behind and random(index, terms.seed + 2, 0) < ALONE:
             _keep_others(space, trees.q[side, at], index, terms.seed, trees.drawn)
         new, _ = _extend(space, trees, side, at, trees.drawn, own)
@@ -147,14 +147,14 @@ def grow(space: Space, trees: Trees, terms: GrowthTerms, first: int, last: int) 
     return -1, -1, last
 
 
-def _as_fine(terms: GrowthTerms, fine: float) -> GrowthTerms:
+def _refine_terms(terms: GrowthTerms, fine: float) -> GrowthTerms:
     """The same terms for a draw that is so fine."""
     return GrowthTerms(
         terms.step, terms.spacing, terms.least * fine, terms.finest * fine, terms.back * fine, terms.seed, terms.proves
     )
 
 
-def cut(trees: Trees, first: int, second: int, edge: int) -> None:
+def cut_off(trees: Trees, first: int, second: int, edge: int) -> None:
     """Take out of a tree what hangs on one edge of the path that `path_through` found, 0 = the first one."""
     before, at = 0, first
     while trees.parents[0, at] >= 0:

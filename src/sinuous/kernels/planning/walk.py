@@ -41,7 +41,7 @@ def _carve(workspace: Array, nodes: int, ends: Array) -> Search:
     )
 
 
-def _apart(one: Array, other: Array) -> float:
+def _distance(one: Array, other: Array) -> float:
     """Distance of two configurations `one` (3 n,) and `other` (3 n,), weighted already."""
     total = 0.0
     for k in range(one.shape[0]):
@@ -49,12 +49,12 @@ def _apart(one: Array, other: Array) -> float:
     return math.sqrt(total)
 
 
-def _left(search: Search, nodes: Array, goals: Array, at: int) -> float:
+def _cost_to_go(search: Search, nodes: Array, goals: Array, at: int) -> float:
     """A lower bound of what is left from a node to the nearest of the goals (g,), by numbers of nodes."""
     if search.left[at] < 0.0:
         least = math.inf
         for i in range(goals.shape[0]):
-            least = min(least, _apart(nodes[at], nodes[goals[i]]) + search.ends[goals[i]])
+            least = min(least, _distance(nodes[at], nodes[goals[i]]) + search.ends[goals[i]])
         search.left[at] = least
     return float(search.left[at])
 
@@ -64,7 +64,7 @@ def _note_way(search: Search, nodes: Array, goals: Array, size: int, at: int, co
     if cost >= search.cost[at]:
         return size
     search.cost[at], search.before[at] = cost, before
-    return heap.push(search.priority, search.items, size, cost + _left(search, nodes, goals, at), at)
+    return heap.push(search.priority, search.items, size, cost + _cost_to_go(search, nodes, goals, at), at)
 
 
 @entry
@@ -123,7 +123,7 @@ def walk(
         for i in range(begins[at], begins[at + 1]):
             if not closed[motions[i]] and size < search.items.shape[0]:
                 other = int(neighbours[i])
-                size = _note_way(search, nodes, goals, size, other, gone + _apart(nodes[at], nodes[other]), at)
+                size = _note_way(search, nodes, goals, size, other, gone + _distance(nodes[at], nodes[other]), at)
     return _trace(search, last, way)
 
 

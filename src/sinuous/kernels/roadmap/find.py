@@ -9,7 +9,7 @@ from collections import namedtuple
 from sinuous.kernels.clock import CLOCK_SIZE, begin_for, spend
 from sinuous.kernels.compile import entry
 from sinuous.kernels.fields.distances import Scene, read_scene, work_of_all
-from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
+from sinuous.kernels.freespace.band import count_points, line_length, respace, tighten
 from sinuous.kernels.freespace.grid import SearchGrid
 from sinuous.kernels.freespace.query import Query, read_query, route_grid
 from sinuous.kernels.maths import buckets
@@ -17,7 +17,7 @@ from sinuous.kernels.maths.buckets import Buckets
 from sinuous.kernels.maths.buffers import cut, cut_whole
 from sinuous.kernels.maths.vectors import Array, get_vec, norm, put_vec, sub
 from sinuous.kernels.roadmap.places import put_places
-from sinuous.kernels.roadmap.sight import cuts, cutting, in_sight
+from sinuous.kernels.roadmap.sight import find_cutting, in_sight, is_cut_by
 
 MOST_PLACES = 1024
 """Most places."""
@@ -26,7 +26,7 @@ MOST_LINES = 1 << 15
 """Most lines from place to place that wait to be examined."""
 
 ROADMAP_INFLATION = 1.2
-"""See `freespace.grid.Grid`."""
+"""See `freespace.grid.SearchGrid`."""
 
 TURN_COST = 0.5
 """What a place on the way costs, in radii of the body: of two routes as long, the one with fewer turns is better."""
@@ -41,18 +41,18 @@ BAND_POINTS = 256
 """Points of a band that is neither."""
 
 MOST_CUTS, MOST_WORK = 1 << 22, 1 << 18
-"""How many boxes and triangles are asked whether they cut a line, at most; and examines distances, see `kernels.clock`.
-"""
+"""How many boxes and triangles are asked whether they cut a line, at most; and work units of
+distances, see `kernels.clock`."""
 
 BUCKETS = 4096
 """Buckets of the queue of lines: lines whose routes differ in length by less than some thousandth are alike."""
 
 RECENT = 16
-"""How many of those are asked first whether they cut a line that cut one of late."""
+"""How many of those that cut a line of late are asked first whether they cut this one."""
 
 Roadmap = namedtuple("Roadmap", ["places", "cost", "before", "cut", "recent", "lines", "spare", "clock"])
 """Places (m, 3); by their number the cost (m,) of the route there, infinite while none is known, the place before
-(m,) int64, and what cut the last line to there that was examined (m,) int64, see `sight.cutting`, and what cut any
+(m,) int64, and what cut the last line to there that was examined (m,) int64, see `sight.find_cutting`, and what cut any
 of late (r,) int64; what the queue of lines lies in (l,) int64: each is the number of the place that it leads from times
 `MOST_PLACES`, plus that of the one that it leads to; points (2 k, 3) to work with; the clock."""
 
@@ -81,7 +81,7 @@ def _carve(buffer: Array, points: int) -> Roadmap:
     return Roadmap(places, cost, before, done, recent, lines, spare, clock)
 
 
-def _queue(roadmap: Roadmap, grid: SearchGrid) -> Buckets:
+def _empty_queue(roadmap: Roadmap, grid: SearchGrid) -> Buckets:
     """An empty queue of lines, for all lengths of routes that are not too long."""
     straight = norm(sub(grid.goal, grid.start))
     return buckets.carve(roadmap.lines, BUCKETS, straight, (1.0 / SHORTENED + ROADMAP_INFLATION - 1.0) * grid.longest)
@@ -100,7 +100,7 @@ def _put_lines(
             continue
         q = get_vec(roadmap.places, other, 0)
         gone, rest = roadmap.cost[place] + norm(sub(q, p)), norm(sub(goal, q))
-        if SHORTENED * (gone + rest) > grid.longest or cuts(scene, triangles, roadmap.cut[other], p, q):
+        if SHORTENED * (gone + rest) > grid.longest or is_cut_by(scene, triangles, roadmap.cut[other], p, q):
             continue
         if not buckets.push(queue, gone + ROADMAP_INFLATION * rest, place * MOST_PLACES + other):
             return
@@ -112,7 +112,7 @@ def _sees_goal(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: Arra
     put_vec(roadmap.places, GOAL_PLACE, 0, grid.goal)
     for i in range(RECENT):
         roadmap.recent[i] = -1
-    by, asked = cutting(scene, triangles, grid.start, grid.goal, roadmap.recent)
+    by, asked = find_cutting(scene, triangles, grid.start, grid.goal, roadmap.recent)
     far = SHORTENED * norm(sub(grid.goal, grid.start)) > grid.longest
     if far or by >= 0 or spend(roadmap.clock, asked):
         return False
@@ -130,7 +130,7 @@ def _search_places(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: 
     for i in range(count):
         roadmap.cost[i], roadmap.cut[i] = math.inf, -1
     roadmap.cost[START_PLACE], roadmap.before[START_PLACE] = 0.0, -1
-    queue = _queue(roadmap, grid)
+    queue = _empty_queue(roadmap, grid)
     _put_lines(roadmap, queue, grid, scene, triangles, count, START_PLACE)
     tried = spent = 0
     while tried < MOST_CUTS and spent < MOST_WORK:
@@ -141,7 +141,7 @@ def _search_places(roadmap: Roadmap, grid: SearchGrid, scene: Scene, triangles: 
         if roadmap.cost[other] < math.inf:
             continue
         p, q = get_vec(roadmap.places, place, 0), get_vec(roadmap.places, other, 0)
-        by, asked = cutting(scene, triangles, p, q, roadmap.recent)
+        by, asked = find_cutting(scene, triangles, p, q, roadmap.recent)
         tried += asked
         if spend(roadmap.clock, asked):
             return False
@@ -172,9 +172,9 @@ def _draw_route(roadmap: Roadmap, grid: SearchGrid, scene: Scene, query: Query, 
     while at > 0:
         put_vec(line, at, 0, get_vec(roadmap.places, place, 0))
         at, place = at - 1, roadmap.before[place]
-    length = span(line, count)
+    length = line_length(line, count)
     spacing = max(LEAST_SPACING * grid.radius, min(MOST_SPACING * grid.radius, length / BAND_POINTS))
-    wanted = points_wanted(length, spacing, route.shape[0])
+    wanted = count_points(length, spacing, route.shape[0])
     respace(line, count, route, wanted)
     tighten(scene, grid, route, roadmap.spare, roadmap.clock, wanted)
     return wanted
@@ -203,7 +203,7 @@ def find_by_edges(
     edges : ndarray (e, 10)
         Those of meshes, see `places.put_places`.
     triangles : ndarray (t, 12)
-        Some of which a line may cross, see `sight.cutting`: asked before distances, which are dearer.
+        Some of which a line may cross, see `sight.find_cutting`: asked before distances, which are dearer.
     seconds : float
         Budget.
     buffer : ndarray

@@ -29,7 +29,7 @@ PLACE_PUSHES = 6
 """How often a place is pushed."""
 
 
-def _push(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
+def _push_place(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
     """Push a place to where there is more room; returns it, and its distance from the obstacles."""
     best, most = p, -math.inf
     for _ in range(PLACE_PUSHES):
@@ -43,11 +43,11 @@ def _push(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
     return best, most
 
 
-def _add(scene: Scene, grid: SearchGrid, places: Array, count: int, p: Vec, clock: Array) -> int:
+def _add_place(scene: Scene, grid: SearchGrid, places: Array, count: int, p: Vec, clock: Array) -> int:
     """Note a place, if a ball has room there; returns how many there are."""
     if count == places.shape[0] or spend(clock, 2 * work_of_all(scene)):
         return count
-    p, d = _push(scene, grid.radius, p)
+    p, d = _push_place(scene, grid.radius, p)
     far = norm(sub(p, grid.start)) + norm(sub(p, grid.goal))
     if d < LEAST_CLEARANCE * grid.radius or far > grid.longest:
         return count
@@ -76,10 +76,10 @@ def _add_edge(
 ) -> int:
     """Note two places along an edge, of which the middle, moved off, the unit axis and half the length are given."""
     p, axis, half = edge
-    count = _add(scene, grid, places, count, p, clock)
+    count = _add_place(scene, grid, places, count, p, clock)
     nearest = _nearest_to_line(grid, p, axis, half)
     if abs(nearest) > grid.radius:
-        count = _add(scene, grid, places, count, add_scaled(p, nearest, axis), clock)
+        count = _add_place(scene, grid, places, count, add_scaled(p, nearest, axis), clock)
     return count
 
 

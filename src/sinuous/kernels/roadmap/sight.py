@@ -23,7 +23,7 @@ MOST_STEPS = 8192
 """Most steps along a line."""
 
 
-def _within(low: float, high: float, p: float, line: float, half: float) -> tuple[float, float]:
+def _clip_to_slab(low: float, high: float, p: float, line: float, half: float) -> tuple[float, float]:
     """The part from `low` to `high` of a line that is within a slab, given its origin and its direction across it."""
     if line == 0.0:
         return (low, high) if abs(p) < half else (low, -math.inf)
@@ -31,20 +31,20 @@ def _within(low: float, high: float, p: float, line: float, half: float) -> tupl
     return max(low, min(one, other)), min(high, max(one, other))
 
 
-def _cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
+def _box_cuts(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
     """Whether box `i` cuts the straight line from `a` on."""
     axes = get_mat(scene.table, i, AXES)
     p, way = vec_mat(sub(a, get_vec(scene.table, i, CENTER)), axes), vec_mat(line, axes)
     half = get_vec(scene.table, i, HALF_EXTENTS)
-    low, high = _within(0.0, 1.0, p[0], way[0], half[0])
-    low, high = _within(low, high, p[1], way[1], half[1])
-    low, high = _within(low, high, p[2], way[2], half[2])
+    low, high = _clip_to_slab(0.0, 1.0, p[0], way[0], half[0])
+    low, high = _clip_to_slab(low, high, p[1], way[1], half[1])
+    low, high = _clip_to_slab(low, high, p[2], way[2], half[2])
     return low < high
 
 
-def _is_cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
+def _is_box_that_cuts(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
     """Whether obstacle `i` is a box that cuts the straight line from `a` on."""
-    return bool(scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0 and _cut_by(scene, i, a, line))
+    return bool(scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0 and _box_cuts(scene, i, a, line))
 
 
 def _box_among_many(scene: Scene, a: Vec, line: Vec) -> int:
@@ -52,19 +52,18 @@ def _box_among_many(scene: Scene, a: Vec, line: Vec) -> int:
     tree, node, which = tree_over(scene.store), 0, -1
     for at in range(HIERARCHY_HEADER, tree.items):  # those that move
         i = int(scene.store[at])
-        if (which < 0 or i < which) and _is_cut_by(scene, i, a, line):
+        if (which < 0 or i < which) and _is_box_that_cuts(scene, i, a, line):
             which = i
     while True:
         node = crossed_leaf(scene.store, tree, node, a, line, 0.0)
         if node == 0:
             return which
-        at = item_of(tree, node)
-        i = int(scene.store[at]) if at >= 0 else which
-        if (which < 0 or i < which) and i >= 0 and _is_cut_by(scene, i, a, line):
+        i = int(scene.store[item_of(tree, node)])
+        if (which < 0 or i < which) and _is_box_that_cuts(scene, i, a, line):
             which = i
 
 
-def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
+def _crosses(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
     """Whether the straight line from `a` on crosses triangle `i` (Moeller & Trumbore 1997).
 
     Most triangles have both ends of it on one side.
@@ -79,16 +78,16 @@ def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
     return s >= 0.0 and t >= 0.0 and s + t <= 1.0
 
 
-def cuts(scene: Scene, triangles: Array, which: int, a: Vec, b: Vec) -> bool:
-    """Whether something, numbered as `cutting` does it (-1: nothing), cuts the straight line from `a` to `b`."""
+def is_cut_by(scene: Scene, triangles: Array, which: int, a: Vec, b: Vec) -> bool:
+    """Whether something, numbered as `find_cutting` does it (-1: nothing), cuts the straight line from `a` to `b`."""
     if which < 0:
         return False
     line, obstacles = sub(b, a), scene.table.shape[0]
-    return _crossed(triangles, which - obstacles, a, line) if which >= obstacles else _cut_by(scene, which, a, line)
+    return _crosses(triangles, which - obstacles, a, line) if which >= obstacles else _box_cuts(scene, which, a, line)
 
 
-def _cutting(scene: Scene, triangles: Array, a: Vec, line: Vec) -> int:
-    """What cuts the straight line from `a` on, of all, see `cutting`."""
+def _find_cutting_among_all(scene: Scene, triangles: Array, a: Vec, line: Vec) -> int:
+    """What cuts the straight line from `a` on, of all, see `find_cutting`."""
     obstacles = scene.table.shape[0]
     if is_large(scene):
         which = _box_among_many(scene, a, line)
@@ -96,15 +95,15 @@ def _cutting(scene: Scene, triangles: Array, a: Vec, line: Vec) -> int:
             return which
     else:
         for i in range(obstacles):
-            if _is_cut_by(scene, i, a, line):
+            if _is_box_that_cuts(scene, i, a, line):
                 return i
     for i in range(triangles.shape[0]):
-        if _crossed(triangles, i, a, line):
+        if _crosses(triangles, i, a, line):
             return obstacles + i
     return -1
 
 
-def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tuple[int, int]:
+def find_cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tuple[int, int]:
     """Say what cuts the straight line from `a` to `b`: a box, or a triangle; -1: nothing. And how many were asked.
 
     Boxes have their numbers among the obstacles, triangles (t, 12) the numbers after those of all obstacles; each is a
@@ -116,13 +115,13 @@ def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tu
         at = k
         if recent[k] < 0:
             break
-        if cuts(scene, triangles, recent[k], a, b):
+        if is_cut_by(scene, triangles, recent[k], a, b):
             which = recent[k]
             break
     asked = at + 1
     if which < 0:
         asked += triangles.shape[0] + (work_of_all(scene) if is_large(scene) else scene.table.shape[0])
-        which = _cutting(scene, triangles, a, sub(b, a))
+        which = _find_cutting_among_all(scene, triangles, a, sub(b, a))
     if which >= 0:
         for k in range(at, 0, -1):
             recent[k] = recent[k - 1]

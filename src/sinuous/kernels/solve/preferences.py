@@ -50,7 +50,7 @@ CORRECTIONS = 3
 """Most Newton steps back to the targets after a step towards what is preferred."""
 
 
-def cost(problem: Problem, state: State, wishes: Wishes) -> float:
+def measure_cost(problem: Problem, state: State, wishes: Wishes) -> float:
     """What is disliked about a state."""
     total = CLOSE * state.norms[WISH]
     for k in range(state.q.shape[0]):
@@ -122,7 +122,7 @@ def _return_to_targets(
     return at
 
 
-def improve(
+def lower_cost(
     problem: Problem,
     measured: Problem,
     states: State,
@@ -142,7 +142,7 @@ def improve(
     copy(best, start.q)
     _measure_motion(problem, measured, best, loose, False)
     linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, with_self)
-    least = cost(problem, start, wishes)
+    least = measure_cost(problem, start, wishes)
     step_length, enough = 1.0, 0.0
     if wishes.initial + wishes.bends == 0.0:
         enough = CLOSE * (MISSING * wishes.clearance / problem.unit) ** 2
@@ -164,7 +164,7 @@ def improve(
         found = pick(states, free)
         if late(work.clock):  # contacts are missing
             return iteration
-        better = cost(problem, found, wishes)
+        better = measure_cost(problem, found, wishes)
         if met(problem, found, 0.0) and better < least:
             gained = least - better
             least = better
@@ -213,7 +213,7 @@ def prefer(
     while True:
         left = began + proved[4] - now(work.clock)
         allow(work.clock, IMPROVING * left)
-        used += improve(problem, measured, states, work, wishes, best, most, depth, with_self)
+        used += lower_cost(problem, measured, states, work, wishes, best, most, depth, with_self)
         allow(work.clock, began + proved[4] - now(work.clock))
         state = pick(states, 0)
         copy(best, state.q)

@@ -36,7 +36,7 @@ def _misses(pose: Array, targets: Array, length: float) -> float:
     return total
 
 
-def _insert(found: Array, misses: Array, size: int, number: int, miss: float) -> int:
+def _keep_nearest(found: Array, misses: Array, size: int, number: int, miss: float) -> int:
     """Keep a number among the nearest so far (count,), in their order; returns how many there are."""
     count = found.shape[0]
     if size == count and not miss < misses[count - 1]:
@@ -61,7 +61,7 @@ def recall(poses: Array, targets: Array, length: float, likely: Array, first: in
         size = 0
         for j in range(likely.shape[1] + poses.shape[0] - first):
             number = likely[i, j] if j < likely.shape[1] else first + j - likely.shape[1]
-            size = _insert(found[i], misses, size, number, _misses(poses[number], targets[i], length))
+            size = _keep_nearest(found[i], misses, size, number, _misses(poses[number], targets[i], length))
 
 
 @entry

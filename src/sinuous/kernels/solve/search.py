@@ -15,7 +15,7 @@ from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.clearance import increase_clearance
-from sinuous.kernels.solve.starts import face, most_distal, single_arc, widest
+from sinuous.kernels.solve.starts import find_most_distal, put_single_arc, turn_to_targets, widest_bend
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.newton import descend, linearise
 from sinuous.kernels.step.scattered import scattered
@@ -32,7 +32,7 @@ DRAWS = 4
 """Random shapes that are examined for one start."""
 
 
-def _begin(
+def _put_start(
     problem: Problem, state: State, trial: State, work: Work, number: int, seed: int, tip: int, goal: Vec
 ) -> int:
     """Put the method's own start `number` into `state`; returns its source.
@@ -41,12 +41,12 @@ def _begin(
     targets is taken, because an evaluation costs less than a descent.
     """
     if number == 0 and tip >= 0:
-        single_arc(problem.limits, state.frames, tip, goal, state.q)
+        put_single_arc(problem.limits, state.frames, tip, goal, state.q)
         return t.ARC
     least = math.inf
     for draw in range(DRAWS):
-        scattered(problem.limits, DRAWS * number + draw, seed, widest(number), trial.q)
-        face(problem.limits, problem.targets, trial.frames, problem.tool, trial.q)
+        scattered(problem.limits, DRAWS * number + draw, seed, widest_bend(number), trial.q)
+        turn_to_targets(problem.limits, problem.targets, trial.frames, problem.tool, trial.q)
         linearise(problem, trial, work, problem.coarse_depth, solids.INTERPOLATED, 0.0, False)
         if late(work.clock) and draw > 0:
             break
@@ -77,7 +77,7 @@ def _solve(
     """
     first, last, seed, seconds = budget
     began = allow(work.clock, seconds)
-    tip, goal = most_distal(problem)
+    tip, goal = find_most_distal(problem)
     g = initial.shape[0]
     count = g + last - first
     impossible = POSSIBLE
@@ -90,7 +90,7 @@ def _solve(
         if index < g:
             copy(initial[index], pick(states, at).q)
         else:
-            kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
+            kind = _put_start(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
         index += 1
         at, verdict, used, seen, self_seen, bound = descend(
             problem, states, at, work, BRIEF if brief else iterations, wish if index <= g else 0.0, brief

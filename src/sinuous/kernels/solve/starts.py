@@ -8,7 +8,7 @@ from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.chain.single_arc import arc_to
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import bend_cap, bends_in_plane, length_range, project_segment
+from sinuous.kernels.step.limits import bend_cap, bends_in_plane, length_range, middle_length, project_segment
 from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
 from sinuous.kernels.tables import (
     BEND_SCALE,
@@ -26,7 +26,7 @@ LONGEST_HALF_BEND = 3.0
 """Half the bend of a single arc from which on it counts as too long, in rad."""
 
 
-def most_distal(problem: Problem) -> tuple[int, Vec]:
+def find_most_distal(problem: Problem) -> tuple[int, Vec]:
     """Segment and position of the most distal target that has a position (-1: none has)."""
     i = distal_target(problem.targets, problem.limits.shape[0])
     if i < 0:
@@ -45,14 +45,14 @@ def chord_angle(ratio: float) -> float:
     return x
 
 
-def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> None:
+def put_single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> None:
     """The arc that leaves along the base's tangent and ends at `goal`; every segment up to `tip` has its share of it.
 
     Where the arc is shorter or longer than the robot can be, its length is the nearest that the robot has, and its
     bend the one whose chord is as long as the goal is far: this also bows the robot when the goal is straight ahead
     but too near.
     """
-    first = _stand(limits, frames, q)
+    first = _center_joints(limits, frames, q)
     if first > tip:
         return
     rotation, base = frame(frames, first)
@@ -79,11 +79,6 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
         put_vec(q, k, 0, (ux, uy, own))
 
 
-def middle_length(limits: Array, k: int) -> float:
-    """Mean of the least and the largest length of row `k`."""
-    return 0.5 * float(limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])
-
-
 def rigid_rows(limits: Array) -> int:
     """How many rows of joints and links stand before the first segment."""
     first = int(np.int64(0))
@@ -92,7 +87,7 @@ def rigid_rows(limits: Array) -> int:
     return first
 
 
-def _stand(limits: Array, frames: Array, q: Array) -> int:
+def _center_joints(limits: Array, frames: Array, q: Array) -> int:
     """Put all joints in the middle of their ranges, and return the first segment; `frames` lead there."""
     first = rigid_rows(limits)
     for k in range(first):
@@ -111,16 +106,16 @@ def _first_plane(limits: Array) -> tuple[float, float]:
     return 1.0, 0.0
 
 
-def widest(start: int) -> float:
+def widest_bend(start: int) -> float:
     """Most bend (rad) that is drawn for scattered start `start`: half a turn if it is odd, a full turn if it is even.
 
     What continues an arc beyond pi leads back to the other side. Shapes that were drawn below pi are turned to the
-    wrong side of such a target by `face`, and by symmetry no descent comes round from there.
+    wrong side of such a target by `turn_to_targets`, and by symmetry no descent comes round from there.
     """
     return math.pi if start % 2 == 1 else 2.0 * math.pi
 
 
-def _turn(limits: Array, frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array) -> None:
+def _turn_segments(limits: Array, frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array) -> None:
     """Turn segments `first` and beyond about the tangent there until the end of `last` lies on the goal's side.
 
     Those that bend in one plane stay as they are.
@@ -138,7 +133,7 @@ def _turn(limits: Array, frames: Array, tool: Array, first: int, last: int, goal
         q[k, 0], q[k, 1] = cosine * x - sine * y, sine * x + cosine * y
 
 
-def face(limits: Array, targets: Array, frames: Array, tool: Array, q: Array) -> None:
+def turn_to_targets(limits: Array, targets: Array, frames: Array, tool: Array, q: Array) -> None:
     """Turn the shape towards the positions that are asked for, one after the other from the base on.
 
     What lies beyond a position that is asked for turns about the tangent there, so that all stay on their sides.
@@ -147,5 +142,5 @@ def face(limits: Array, targets: Array, frames: Array, tool: Array, q: Array) ->
     for k in range(first, n):
         for i in range(targets.shape[0]):
             if first <= k and targets[i, HAS_POSITION] != 0.0 and end_segment(targets, i, n) == k:
-                _turn(limits, frames, tool, first, k, get_vec(targets, i, TARGET_POSITION), q)
+                _turn_segments(limits, frames, tool, first, k, get_vec(targets, i, TARGET_POSITION), q)
                 first = k + 1

@@ -8,7 +8,7 @@ from sinuous.kernels.compile import shared
 from sinuous.kernels.fields.distances import Scene, at_most
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, norm, scale, sub
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.step.limits import bend_cap, length_range
 from sinuous.kernels.step.targets import backbone_end, end_segment, tangent_back
 
 POSSIBLE = -1
@@ -28,7 +28,7 @@ def cosine_area(angle: float) -> float:
     return math.sin(angle) if angle < math.pi else math.pi - angle
 
 
-def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: float, reverse: bool) -> bool:
+def _misses_goal(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: float, reverse: bool) -> bool:
     """Whether no curve of segments 0 to `k` that leaves `place` along `axis` comes within `loose` of `goal`.
 
     By the length t of bend its tangent has turned away from the axis by no more than t. So its end is at most the sum
@@ -78,7 +78,7 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
         if far - loose > longest:
             return True
         # What is said of curves holds for none that begins with a joint.
-        if problem.limits[0, t.RIGID] == 0.0 and _no_curve(problem, i, k, (place, base, axis), loose, tilt):
+        if problem.limits[0, t.RIGID] == 0.0 and _no_curve(problem, i, k, (place, base, axis), loose, tilt, turning):
             return True
     if asked == t.DIRECTION and turning < math.pi and problem.limits[0, t.RIGID] == 0.0:
         needed = math.acos(max(-1.0, min(1.0, dot(axis, get_vec(problem.targets, i, t.GOAL)))))
@@ -86,26 +86,25 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     return False
 
 
-def _no_curve(problem: Problem, i: int, k: int, places: tuple[Vec, Vec, Vec], loose: float, tilt: float) -> bool:
+def _no_curve(
+    problem: Problem, i: int, k: int, places: tuple[Vec, Vec, Vec], loose: float, tilt: float, turning: float
+) -> bool:
     """Whether no curve of segments 0 to `k` leads from the base to a place within `loose` of it, as target `i` asks.
 
-    `places`: where to, and the base with its tangent; `tilt` (rad): of the tool.
+    `places`: where to, and the base with its tangent; `tilt` (rad): of the tool; `turning` (rad): of all segments.
     """
     place, base, axis = places
-    shortest = turning = 0.0
-    for j in range(k + 1):
-        shortest += problem.limits[j, t.MIN_LENGTH]
-        turning += bend_cap(problem.limits, j, problem.limits[j, t.MAX_LENGTH])
+    shortest, _ = length_range(problem.limits[: k + 1])
     far = norm(sub(place, base))
     if turning < math.pi and far + loose < shortest * math.cos(0.5 * turning):
         return True
-    if _beside(problem.limits, k, base, axis, place, loose, False):
+    if _misses_goal(problem.limits, k, base, axis, place, loose, False):
         return True
     if problem.targets[i, t.ORIENTATION] == t.FREE:
         return False
     # The curve is moved by what the place may be off, and turned about it by what the tangent may.
     swing = loose + min(2.0, problem.angle_tolerance + tilt) * (far + loose)
-    return _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True)
+    return _misses_goal(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True)
 
 
 def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bool:

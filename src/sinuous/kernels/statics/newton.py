@@ -305,7 +305,5 @@ def _line_search(
         if sure or after <= RETURNED_WORK * abs(work):
             break
         alpha *= max(0.1, min(0.6, abs(work) / (abs(work) + after)))
-    for k in range(x.shape[0]):
-        for j in range(4):
-            x[k, j] = space.trial[k, j]
+    copy(space.trial, x)
     return negative

@@ -43,6 +43,11 @@ def length_range(limits: Array) -> tuple[float, float]:
     return low, high
 
 
+def middle_length(limits: Array, k: int) -> float:
+    """Mean of the least and the largest length of row `k`."""
+    return 0.5 * float(limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])
+
+
 def bend_of(ux: float, uy: float) -> float:
     """Angle of an arc: a call of `hypot`, which guards numbers that bends never are, takes longer than its segment."""
     return math.sqrt(ux * ux + uy * uy)

@@ -23,7 +23,6 @@ from sinuous.kernels.step.coupling import couple
 from sinuous.kernels.step.dense import JACOBIAN_WIDTH, are_few, dense_step, fill_constraint_jacobian
 from sinuous.kernels.step.states import State, Work, coupling_of, pick
 from sinuous.kernels.step.targets import add_rows, end_segment
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 MISSED = -1
 """In place of a verdict of the proof: the targets were not met."""
@@ -190,8 +189,7 @@ def project_to_limits(problem: Problem, state: State, work: Work) -> None:
     q = state.q
     for k in range(q.shape[0]):
         if not _finite(q, k):
-            middle = 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])
-            put_vec(q, k, 0, (0.0, 0.0, middle))
+            put_vec(q, k, 0, (0.0, 0.0, limits.middle_length(problem.limits, k)))
         put_vec(q, k, 0, limits.project_segment(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
     actuation.straighten(problem.limits, problem.actuation, q, work.step)
 

@@ -9,7 +9,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.contacts import PosedBody
 from sinuous.kernels.body.pieces import backbone_of, evaluate_here, free_part, near
-from sinuous.kernels.body.self_contacts import MOST_PAIRS, PAIR_VALUE, PAIR_WEIGHTS, put_place_weights, self_contacts
+from sinuous.kernels.body.self_contacts import PAIR_VALUE, PAIR_WEIGHTS, put_place_weights, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import body_point, frame
@@ -71,8 +71,8 @@ def closest_place(
 ) -> tuple[float, float, Vec, Vec]:
     """Fraction of a segment where it is closest to obstacle `i`; distance, gradient, place.
 
-    `part`: the segment, and the fractions of it between which that is checked for. It is found to the cosine `straight`
-    between gradient and tangent, in `most` examines most.
+    `part`: the segment, and the fractions of it between which it is sought. It is found to the cosine `straight` of
+    gradient and tangent, in `most` evaluations at most.
     """
     k, a, b = part
     d, fa, g, p = _steepness(problem, control, i, k, a)
@@ -151,7 +151,7 @@ def add_self_contacts(problem: Problem, control: Control, gaps: ContactGaps) -> 
     shape = Shape(problem.limits, control.q, control.frames, control.spans)
     found, least = self_contacts(shape, control.columns, gaps.ahead, problem.unit, control.pairs)
     at = 0
-    for a in range(min(found, MOST_PAIRS)):
+    for a in range(found):
         gap = gaps.ahead - control.pairs[a, PAIR_VALUE] * problem.unit
         low = high = -1
         for k in range(control.q.shape[0]):

@@ -26,7 +26,7 @@ OUTSIDE: dict[str, tuple[Any, tuple[str, int | str]]] = {
 }
 """A shape that violates one limit alone, and what that is called."""
 
-OF_SHAPES = [limit for limit in LIMITS if limit not in ("rate", "acceleration")]
+OF_SHAPES = [limit for limit in LIMITS if not limit.startswith(("rate", "acceleration"))]
 
 
 def outside_of(limit: str) -> tuple[sn.Robot, Floats, tuple[str, int | str]]:

@@ -65,6 +65,26 @@ def test_a_plan_keeps_accelerations(place: str, timing: PlanArguments, gains: tu
         assert motion.times[[0, -1]].tolist() == [0.5, 9.5]
 
 
+@pytest.mark.parametrize("gain", [None, 0.4])
+def test_a_plan_keeps_rates_of_motors_that_stretch(gain: float | None) -> None:
+    tendons = sn.Tendons(3, 0.04, stiffness=40.0)
+    soft = sn.Robot([sn.Segment(1.0, max_bend=2.5, radius=0.05, stiffness=1.0, tendons=tendons)] * 3)
+    rates = sn.Rates(bend=0.8, actuator=0.06, acceleration=None if gain is None else sn.Rates(actuator=gain))
+    motion = sn.plan(soft, LEFT, RIGHT, PLACES["crossing"], rates=rates, time=20.0)
+    assert motion.solved
+    most = 0.0
+    for one, other, time in zip(motion.q[:-1], motion.q[1:], np.diff(motion.times).tolist(), strict=True):
+        values = soft.to_actuators(one + np.linspace(0.0, 1.0, 201)[:, None, None] * (other - one))
+        most = max(most, float(np.abs(np.diff(values, axis=0)).max()) * 200.0 / time)
+    assert 0.04 < most <= 0.06 * (1.0 + 1e-6)
+    if gain is not None:
+        times = np.diff(motion.times)
+        still = np.zeros((1, 9))
+        speeds = np.concatenate([still, np.diff(motion.actuators, axis=0) / times[:, None], still])
+        beside = 0.5 * (np.append(0.0, times) + np.append(times, 0.0))
+        assert np.abs(np.diff(speeds, axis=0) / beside[:, None]).max() <= gain * (1.0 + 1e-6)
+
+
 def test_waiting_is_what_leads_past_an_obstacle_that_leaves() -> None:
     """The straight way at full speed is not clear; the plan takes longer than it, and less than a second too long."""
     fast = sn.Motion(ROBOT, [LEFT, RIGHT], [LEAVING], times=[0.0, 1.5])

@@ -255,3 +255,47 @@ def test_orientations_go_the_shorter_way_round() -> None:
     np.testing.assert_allclose(asked(opposite.at(1.0))[1], [-1.0, 0.0, 0.0], atol=1e-12)
     same = TipLine(a, sn.Target((0, 0, 2), direction=(1, 0, 0)))
     np.testing.assert_allclose(asked(same.at(0.3))[1], [1.0, 0.0, 0.0])
+
+
+SOFT: dict[str, Any] = {"stiffness": 400.0, "radius": 4.0}
+SLACK = sn.Robot([sn.Segment(60.0, max_bend=2.0, tendons=sn.Tendons(3, 4.0, stiffness=5.0), **SOFT)] * 2)
+CURVED = np.array(
+    [[[0.5, 0.2, 60], [0.3, -0.4, 60]], [[-0.1, 0.5, 60], [0.4, 0.3, 60]], [[-0.6, -0.2, 60], [0, 0.5, 60]]]
+)
+
+
+@pytest.mark.parametrize("blend", [0.0, 1.0, 1e3])
+def test_motors_of_elastic_tendons_keep_rates_on_a_way_on_which_tendons_go_slack(blend: float) -> None:
+    rates = sn.Rates(bend=5.0, actuator=3.0, acceleration=sn.Rates(bend=1.0))
+    motion = sn.Motion(SLACK, CURVED)
+    timed = motion.timed(rates, blend)
+    slack = SLACK.tensions(motion.actuators) < 1e-9
+    assert (slack != slack[0]).any(), "no tendon goes slack"
+    assert (timed.stops == 1) == (blend == 0.0)
+    times = np.linspace(0.0, timed.duration, 20_001)
+    speeds = np.abs(np.diff(SLACK.to_actuators(timed.at(times)), axis=0)) / np.diff(times)[:, None]
+    assert 0.9 * 3.0 < speeds.max() <= 3.0 * (1.0 + 1e-6)
+
+
+def test_accelerations_of_elastic_tendons_are_kept_by_stops_where_tendons_go_slack() -> None:
+    motion = sn.Motion(SLACK, CURVED)
+    rates = sn.Rates(bend=5.0, actuator=3.0, acceleration=sn.Rates(actuator=9.0))
+    timed = motion.timed(rates)
+    assert timed.stops > 1
+    times = np.linspace(0.0, timed.duration, 4_001)
+    speeds = np.diff(SLACK.to_actuators(timed.at(times)), axis=0) / np.diff(times)[:, None]
+    gains = np.abs(np.diff(speeds, axis=0)) / times[1]
+    assert 0.9 * 9.0 < gains.max() <= 9.0 * (1.0 + 1e-6)
+    assert np.abs(speeds).max() <= 3.0 * (1.0 + 1e-6)
+    assert timed.as_motion().solved
+    refused("blend", lambda: motion.timed(rates, 1.0))
+
+
+def test_what_is_not_known_of_elastic_tendons_whose_segments_change_their_lengths_is_refused() -> None:
+    softer = sn.Segment((50.0, 70.0), max_bend=2.0, tendons=sn.Tendons(3, 4.0, stiffness=5.0), **SOFT)
+    motion = sn.Motion(sn.Robot([softer] * 2), CURVED + [0.0, 0.0, 2.0] * np.arange(3.0)[:, None, None])
+    gentle = sn.Rates(bend=5.0, length=9.0, actuator=3.0, acceleration=sn.Rates(bend=20.0, length=50.0))
+    refused("blend", lambda: motion.timed(gentle, 1.0))
+    hard = sn.Rates(bend=5.0, length=9.0, acceleration=sn.Rates(bend=20.0, length=50.0, actuator=9.0))
+    refused("rates.acceleration.actuator", lambda: motion.timed(hard))
+    assert motion.timed(gentle).duration > motion.timed(sn.Rates(bend=5.0, length=9.0)).duration

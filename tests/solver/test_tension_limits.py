@@ -62,3 +62,27 @@ def test_a_solve_within_changes_keeps_limits_of_tension() -> None:
         target = sn.Target(robot.tip(q + np.array([1.2, 0.0, 0.0]))[:3, 3])
         found = sn.Solver(robot).solve(target, q, within=Changes(bend=2.0, length=30.0))
         assert within(robot, found.q)
+
+
+@pytest.mark.parametrize("length", [60.0, (40.0, 80.0)], ids=["lengths stay", "lengths vary"])
+def test_steps_and_solves_within_changes_keep_rates_of_motors_with_their_stretch_all_the_way(length: Any) -> None:
+    robot, random, used, looks = arm(length), np.random.default_rng(3), 0, np.linspace(0.0, 1.0, 201)[:, None, None]
+    solver, rates, went_slack = sn.Solver(robot), sn.Rates(bend=1.0, length=9.0, actuator=[1.0, 2.0, 3.0] * 2), 0
+    assert isinstance(rates.actuator, np.ndarray)
+    for i in range(16):
+        bends = random.normal(0.0, 0.2, (2, 2)) * (i > 3)
+        q = np.column_stack([bends, [60.0, 60.0]])
+        if robot.violations(q):
+            continue
+        ends = [solver.step(q, random.normal(0.0, 300.0, 3), DT, rates=rates).q]
+        ends.append(solver.solve(sn.Target(robot.tip(ends[0])[:3, 3] * [2.0, 2.0, 1.0]), q, within=rates * DT).q)
+        for end in ends:
+            ways = (1.0 - looks) * q + looks * end
+            values = robot.to_actuators(ways)
+            share = np.abs(np.diff(values, axis=0)).max(axis=0) * 200.0 / (rates.actuator * DT)
+            assert share.max() <= 1.0 + 1e-9
+            used += int(share.max() > 0.9)
+            slack = robot.drive.tensions(ways, values) < 1e-9
+            went_slack += int((slack[1:] != slack[1]).any())
+    assert used > 8, "rates of motors held hardly anything back"
+    assert went_slack > 2

@@ -198,6 +198,30 @@ class Actuation(Frozen):
         change = self.stretch(q + step * dq) - self.stretch(q - step * dq)
         return result + self.motors.speeds(change / (2.0 * step[..., 0]))
 
+    def greatest_speeds(self, q: Floats, moves: Floats, later: Floats | None = None) -> Floats:
+        """How fast the values of the motors change at most (..., m) on straight ways from `q`, by `moves` (..., n, 3).
+
+        In a unit of time; the stretch of elastic actuators counts, also where tendons go slack on the way. On parabolas
+        the slope grows from `moves` to `later`, which elastic ones know where their speeds are `linear`.
+        """
+        result = np.abs(self.speeds(moves))
+        if later is not None:
+            result = np.maximum(result, np.abs(self.speeds(later)))
+        if self.elastic is not None:
+            own = self.elastic.speeds
+            most = own.most(q, moves) if later is None else own.most_curved(q, moves, later)
+            result[..., self.elastic.places] = np.abs(self.motors.gain[self.elastic.places]) * most
+        return result
+
+    def slopes_at(self, q: Floats) -> Floats:
+        """Derivative (m, 3 n) of displacements by the shape at `q` (n, 3), with the stretch of elastic actuators."""
+        if self.elastic is None:
+            return self.jacobian
+        result, speeds = np.array(self.jacobian), self.elastic.speeds
+        rows = np.flatnonzero(speeds.on_top(q))
+        result[self.elastic.places] = speeds.slopes_at(q)[rows[np.unique(speeds.row_lines[rows], return_index=True)[1]]]
+        return result
+
     def in_words(self, values: Mapping[str, float]) -> str:
         """Values of the motors by name, with their units, on one line; two spaces between them."""
         units = {each.name: each.unit for each in self.actuators}

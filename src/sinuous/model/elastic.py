@@ -27,6 +27,7 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen
 from sinuous.model.actuators import Lines
 from sinuous.model.coordinates import Coordinates
+from sinuous.model.motor_speeds import MotorSpeeds
 from sinuous.model.segment import COORDINATES, Segment
 from sinuous.model.tension_rows import Forces, LineGroup, LineLimits, TensionRows
 
@@ -294,13 +295,23 @@ class Elastic(Frozen):
     @cached_property
     def rows(self) -> TensionRows:
         """What limits of tension ask of shapes, row by row."""
-        springs = self.springs
-        limits = LineLimits(springs.arms, springs.stiffness, self.limits, self._bounds, self._jacobian)
+        return TensionRows(self._groups, self._line_limits, self._forces, BALANCE)
+
+    @cached_property
+    def speeds(self) -> MotorSpeeds:
+        """How fast displacements and stretches change together."""
+        return MotorSpeeds(self._groups, self._line_limits, self._forces, self.rows)
+
+    @cached_property
+    def _line_limits(self) -> LineLimits:
+        return LineLimits(self.springs.arms, self.springs.stiffness, self.limits, self._bounds, self._jacobian)
+
+    @cached_property
+    def _forces(self) -> Forces:
         own, shortest = self._owner, SHORTEST * float(self._lengths.sum())
         lengths = np.maximum(self._lengths[own], shortest)
         rod = self._rod[own, 2 * self._stretches]
-        forces = Forces(self._basis, own, rod, springs.rest, lengths, self._varies[own], shortest)
-        return TensionRows(self._groups, limits, forces, BALANCE)
+        return Forces(self._basis, own, rod, self.springs.rest, lengths, self._varies[own], shortest)
 
     def _carried(self, q: Floats) -> Floats:
         """What coordinates that rigid actuators determine make of the displacements (N, e)."""

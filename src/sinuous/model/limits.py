@@ -426,12 +426,15 @@ class LimitSet:
                 yield Limit("length_rate", number, None, key, abs(length), most, 0.0, outward)
         drive = self._drive
         moved = drive.values(q) - drive.values(initial)
-        rows = zip(drive.actuators, moved.tolist(), values.tolist(), drive.scales.tolist(), drive.jacobian, strict=True)
-        for actuator, change, most, scale, row in rows:
-            if _used_up(abs(change), most):
-                outward = (np.sign(change * actuator.gain) / scale) * row.reshape(-1, 3)
+        changes, slopes = np.abs(moved), drive.jacobian
+        if drive.elastic is not None and np.isfinite(values[drive.elastic.places]).any():
+            changes, slopes = drive.greatest_speeds(initial, q - initial), drive.slopes_at(q)
+        rows = zip(drive.actuators, changes.tolist(), moved, values.tolist(), drive.scales, slopes, strict=True)
+        for actuator, change, way, most, scale, row in rows:
+            if _used_up(change, most):
+                outward = (np.sign(way * actuator.gain) / scale) * row.reshape(-1, 3)
                 name = self._row(actuator), actuator.name, "rates.actuator"
-                yield Limit("actuator_rate", *name, abs(change), most, 0.0, outward, motor=_motor(actuator))
+                yield Limit("actuator_rate", *name, change, most, 0.0, outward, motor=_motor(actuator))
 
 
 def _motor(actuator: Actuator) -> Actuator | None:

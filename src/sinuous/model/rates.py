@@ -35,6 +35,11 @@ class Spread(NamedTuple):
     length: Floats
     actuator: Floats
 
+    def limits_elastic(self, robot: Robot) -> bool:
+        """Whether elastic actuators of a robot are limited: the speeds of their motors depend on where it is."""
+        elastic = robot.drive.elastic
+        return elastic is not None and bool(np.isfinite(self.actuator[elastic.places]).any())
+
 
 class _Bounds(Frozen):
     """Numbers that bound bends, lengths, actuators and joints: one for all, one for each, some by names, or none."""
@@ -70,7 +75,11 @@ class _Bounds(Frozen):
         both = np.full((len(robot), 2), np.inf)
         both[len(rigid.rows) :] = np.stack([bend, length], axis=1)
         both[rigid.values, (rigid.columns > 0).astype(np.intp)] = np.minimum(own, joints)
-        return Spread(both[:, 0], both[:, 1], actuator)
+        result, elastic = Spread(both[:, 0], both[:, 1], actuator), robot.drive.elastic
+        if elastic is not None and result.limits_elastic(robot) and not elastic.rows.decoupled:
+            problem = "elastic lines end at a segment that they cannot bend"
+            raise InputError("actuator", problem, self.actuator, "none for elastic actuators")
+        return result
 
 
 class Changes(_Bounds):
@@ -115,7 +124,7 @@ class Rates(_Bounds):
         Of the length of a segment, length unit/s.
     actuator : float, array_like (m,) or mapping, optional
         Of the value of an actuator, in the order of `Robot.actuators`: units of its motor a second
-        (length unit/s without a gain).
+        (length unit/s without a gain). Values of elastic ones include their stretch, and keep this all along a step.
     acceleration : Rates, optional
         The same of their derivatives: rad/s^2, length unit/s^2.
     joint : float, array_like (j,) or mapping, optional

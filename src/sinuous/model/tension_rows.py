@@ -98,6 +98,12 @@ class Forces(NamedTuple):
         """Forces (..., c) of shapes (..., 3 n)."""
         return self.rod * (x @ self.basis - self.rest) / self._lengths(x)
 
+    def speeds(self, x: Floats, dx: Floats) -> Floats:
+        """How fast they change (..., c) where shapes (..., 3 n) change by `dx` (..., 3 n) a time."""
+        lengths = self._lengths(x)
+        softer = np.where(self.varies & (x[..., self.of_length] > self.least), dx[..., self.of_length] / lengths, 0.0)
+        return np.asarray(self.rod * (dx @ self.basis) / lengths - self.at(x) * softer)
+
     def slopes(self, x: Floats) -> Floats:
         """Their derivative (c, 3 n) at a shape (3 n,)."""
         rows, lengths = np.arange(len(self.owner)), self._lengths(x)
@@ -151,19 +157,21 @@ class TensionRows:
         Whether rows are linear in the shape.
     decoupled : bool
         Whether no group feels the common tensions of others. Otherwise there are no rows, and nothing is known.
+    least_squares : ndarray (e, c)
+        Tensions of least squares, by the forces of springs.
     """
 
     def __init__(self, groups: Sequence[LineGroup], lines: LineLimits, forces: Forces, balance: float) -> None:
         self._lines, self._forces = lines, forces
         count, coordinates = lines.arms.shape
-        self._least_squares = np.zeros((count, coordinates))
+        self.least_squares = np.zeros((count, coordinates))
         self.decoupled, found = True, list[TensionRow]()
         for group in groups:
             mine = group.lines
             wanted = np.eye(coordinates)[group.coordinates]
-            wanted -= lines.arms[:, group.coordinates].T @ self._least_squares
-            self._least_squares[mine] = group.spread @ wanted
-            left = wanted - lines.arms[np.ix_(mine, group.coordinates)].T @ self._least_squares[mine]
+            wanted -= lines.arms[:, group.coordinates].T @ self.least_squares
+            self.least_squares[mine] = group.spread @ wanted
+            left = wanted - lines.arms[np.ix_(mine, group.coordinates)].T @ self.least_squares[mine]
             found += self._unheld(group, left, balance)
             felt = np.abs(group.common @ lines.arms[mine]).max(initial=0.0)
             self.decoupled &= bool(felt <= NEUTRAL * group.arm * group.common.sum())
@@ -230,24 +238,24 @@ class TensionRows:
 
     def _of_group(self, group: LineGroup) -> Iterator[TensionRow]:
         common = dict(zip(group.lines.tolist(), group.common.tolist(), strict=True))
-        raising = [j for j, own in common.items() if own > 0.0 and self._ends(j, 0)]
+        raising = [j for j, own in common.items() if own > 0.0 and self.ends(j, 0)]
         for i, own in common.items():
             stiff, raised = self._lines.stiffness[i], own > 0.0 and raising
-            for shape, most in self._ends(i, 1):
+            for shape, most in self.ends(i, 1):
                 if not raised:
-                    yield TensionRow(i, self._least_squares[i] / stiff, -shape / stiff, -np.inf, float(most / stiff))
+                    yield TensionRow(i, self.least_squares[i] / stiff, -shape / stiff, -np.inf, float(most / stiff))
                     continue
                 for j in raising:
                     factor = own / common[j]
-                    forces = self._least_squares[i] - factor * self._least_squares[j]
-                    for other, least in self._ends(j, 0):
+                    forces = self.least_squares[i] - factor * self.least_squares[j]
+                    for other, least in self.ends(j, 0):
                         weights = (factor * other - shape) / stiff
                         yield TensionRow(i, forces / stiff, weights, -np.inf, float((most - factor * least) / stiff))
-            for shape, least in () if raised else self._ends(i, 0):
-                yield TensionRow(i, self._least_squares[i] / stiff, -shape / stiff, float(least / stiff), np.inf)
+            for shape, least in () if raised else self.ends(i, 0):
+                yield TensionRow(i, self.least_squares[i] / stiff, -shape / stiff, float(least / stiff), np.inf)
 
-    def _ends(self, i: int, side: int) -> list[tuple[Floats, float]]:
-        """The least (side 0) or greatest tensions of a line: weights of the shape (3 n,) and a constant."""
+    def ends(self, i: int, side: int) -> list[tuple[Floats, float]]:
+        """Return the least (side 0) or greatest tensions of a line: weights of the shape (3 n,) and a constant."""
         lines, found = self._lines, []
         if np.isfinite(lines.tensions[i, side]):
             found.append((np.zeros(lines.jacobian.shape[1]), float(lines.tensions[i, side])))

@@ -148,6 +148,20 @@ def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
     return KEPT * np.where(steps.proved, np.minimum(steps.room[0], own), 0.0)
 
 
+def cut_at_jumps(robot: Robot, legs: Legs) -> Legs:
+    """Return the same legs, cut where motors of elastic actuators would jump from one speed to another."""
+    elastic, shares = robot.drive.elastic, []
+    assert elastic is not None
+    for q, move in zip(legs.corners[:-1], np.diff(legs.corners, axis=0), strict=True):
+        shares.append([0.0, *elastic.speeds.breaks(q, move)])
+    leg = np.repeat(np.arange(len(shares)), [len(own) for own in shares])
+    begin = np.concatenate(shares)
+    long = np.diff(np.append(leg + begin, len(shares)))
+    moves = (legs.corners[leg + 1] - legs.corners[leg]) * begin[:, None, None]
+    corners = np.concatenate([legs.corners[leg] + moves, legs.corners[-1:]])
+    return Legs(corners, legs.margins[leg], long * legs.sizes[leg])
+
+
 def stop_at_corners(legs: Legs) -> BlendedPath:
     """Return the path with all its corners, at each of which the robot stops."""
     pieces = np.zeros((len(legs.sizes), 3, *legs.corners.shape[1:]))

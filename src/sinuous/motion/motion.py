@@ -329,7 +329,9 @@ class Motion(NotebookMixin, Frozen):
         ------
         InputError
             When `rates` do not limit all that moves, an argument is not what it should be, or obstacles move: then what
-            is proved is proved for its times.
+            is proved is proved for its times. Motors of elastic actuators jump where a tendon goes slack: the robot
+            stops there where their accelerations are limited, and nothing is blended then; nor where they have rates
+            and bend segments whose lengths change, of which these have no accelerations either.
         """
         trajectory: sn.Trajectory = import_late("motion.trajectory").timed(self, rates, blend)
         return trajectory

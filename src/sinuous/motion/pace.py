@@ -16,7 +16,7 @@ from sinuous.base.errors import InputError
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion
-from sinuous.motion.timing import largest
+from sinuous.motion.timing import largest, motor_speeds
 from sinuous.scene.snapshot import Snapshot
 
 ROUNDING = 1e-9
@@ -43,14 +43,16 @@ def pace_motion(motion: Motion, rates: Rates | None, duration: float | None = No
     """
     if not rates or len(motion.configuration) < 2:
         return motion
-    least = 1.0 / largest(motion.robot, rates.spread(motion.robot), np.diff(motion.configuration, axis=0))
+    robot, q, spread = motion.robot, motion.configuration, rates.spread(motion.robot)
+    moves = np.diff(q, axis=0)
+    least = 1.0 / largest(robot, spread, moves, motor_speeds(robot, spread, q[:-1], moves))
     given = np.diff(motion.times)
     fixed = asked or duration is not None or motion.scene.moves
     durations = given if asked or motion.scene.moves else np.where(least > 0.0, least, given)
     if duration is not None and not motion.scene.moves:
         durations = durations * (duration / durations.sum())
     factor = max(1.0, float((least / durations).max()))
-    factor = max(factor, _slower(motion.robot, motion.configuration, durations, rates))
+    factor = max(factor, _slower(robot, q, durations, rates))
     late = fixed and factor > 1.0 + ROUNDING
     times = motion.times
     if not motion.scene.moves:
@@ -64,11 +66,18 @@ def _slower(robot: Robot, q: Floats, durations: Floats, rates: Rates) -> float:
     accelerations = rates.further(robot)
     if accelerations is None:
         return 1.0
-    still = np.zeros((1, *q.shape[1:]))
-    speeds = np.concatenate([still, np.diff(q, axis=0) / durations[:, None, None], still])
     beside = np.concatenate([[0.0], durations, [0.0]])
     means = 0.5 * (beside[1:] + beside[:-1])
-    most = largest(robot, accelerations, np.diff(speeds, axis=0) / means[:, None, None])
+
+    def gained(places: Floats) -> Floats:
+        """How fast mean speeds of steps between places (T, ...) change, from rest to rest."""
+        slope = (len(durations), *[1] * (places.ndim - 1))
+        still = np.zeros((1, *places.shape[1:]))
+        speeds = np.concatenate([still, np.diff(places, axis=0) / durations.reshape(slope), still])
+        return np.diff(speeds, axis=0) / means.reshape(-1, *slope[1:])
+
+    motors = gained(robot.drive.values(q)) if accelerations.limits_elastic(robot) else None
+    most = largest(robot, accelerations, gained(q), motors)
     return float(np.sqrt(max(1.0, (1.0 / most).max())))
 
 

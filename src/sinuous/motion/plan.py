@@ -272,9 +272,9 @@ class Planner:
             goals, goal = TargetGoals(solver, list(solution.problem.targets), [solution]), solution.configuration
         still, pace = Query(self._robot, scene, begin, goals, self._options.seed, deadline), self._pace
         query = still.in_time(prover, pace.begin, pace.begin, duration is None, pace.rates)
-        query = replace(query, end=pace.end(scene, query.soonest(goal - begin)))
+        query = replace(query, end=pace.end(scene, query.soonest(begin, goal)))
         if solver is None and not query.early:
-            soonest, window = query.soonest(goal - begin), query.end - query.begin
+            soonest, window = query.soonest(begin, goal), query.end - query.begin
             if soonest > window * (1.0 + ROUNDING):
                 return made(Report(ended=Status.RATE_BOUND))
         path = find_timed_path(query)

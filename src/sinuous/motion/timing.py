@@ -38,25 +38,53 @@ class Scaling(NamedTuple):
     phases: Floats
 
 
-def largest(robot: Robot, spread: Spread, slopes: Floats) -> Floats:
-    """Return the largest multiple of each slope (m, n, 3) that rates allow (m,); infinite where nothing limits it."""
+def largest(robot: Robot, spread: Spread, slopes: Floats, motors: Floats | None = None) -> Floats:
+    """Return the largest multiple of each slope (m, n, 3) that rates allow (m,); infinite where nothing limits it.
+
+    `motors` (m, a): how fast motors run, see `motor_speeds`; by default that is the same everywhere.
+    """
+    speeds = np.abs(robot.drive.speeds(slopes) if motors is None else motors)
     sizes = np.concatenate(
         [
             np.hypot(slopes[..., 0], slopes[..., 1]) / spread.bend,
             np.abs(slopes[..., 2]) / spread.length,
-            np.abs(robot.drive.speeds(slopes)) / spread.actuator,
+            speeds / spread.actuator,
         ],
         axis=-1,
     ).max(axis=-1)
     return np.divide(1.0, sizes, out=np.full(len(sizes), np.inf), where=sizes > 0.0)
 
 
+def motor_speeds(robot: Robot, spread: Spread, q: Floats, moves: Floats, later: Floats | None = None) -> Floats | None:
+    """Return how fast motors run at most (m, a) on ways from `q`, by `moves` (m, n, 3), in a unit of time.
+
+    See `Actuation.greatest_speeds`. `None` where no elastic one is limited: then `largest` knows them.
+
+    Raises
+    ------
+    InputError
+        When nothing bounds how fast one runs.
+    """
+    if not spread.limits_elastic(robot):
+        return None
+    most = robot.drive.greatest_speeds(q, moves, later)
+    if not np.isfinite(most[..., np.isfinite(spread.actuator)]).all():
+        problem = "motors of elastic actuators run at any speed where a segment that they bend vanishes"
+        raise InputError("rates.actuator", problem, spread.actuator, "segments that keep some length")
+    return most
+
+
 def scale_with_stops(robot: Robot, path: BlendedPath, rates: Spread, accelerations: Spread | None) -> Scaling:
     """Scale a path of straight pieces: from rest to rest on each, or at an even speed where nothing accelerates."""
-    slopes = path.pieces[:, 1]
-    speed, gain = largest(robot, rates, slopes), np.full(len(slopes), np.inf)
+    slopes, lengths = path.pieces[:, 1], path.lengths[:, None]
+
+    def allowed(spread: Spread) -> Floats:
+        motors = motor_speeds(robot, spread, path.pieces[:, 0], slopes * lengths[:, None])
+        return largest(robot, spread, slopes, None if motors is None else motors / lengths)
+
+    speed, gain = allowed(rates), np.full(len(slopes), np.inf)
     if accelerations is not None:
-        gain = largest(robot, accelerations, slopes)
+        gain = allowed(accelerations)
     refuse_unlimited(np.minimum(speed, gain))
     piece, phases = [], []
     for i, (length, fastest, most) in enumerate(zip(path.lengths, speed, gain, strict=True)):
@@ -90,7 +118,10 @@ def scale_blended(robot: Robot, path: BlendedPath, rates: Spread, accelerations:
     """Scale a path so that it is passed as fast as can be; it begins, ends and goes through its stops at rest."""
     grid = _Grid(path)
     ends = np.stack([path.at(grid.piece, s, 1) for s in (grid.s, grid.s + grid.steps)])
-    speeds = largest(robot, rates, ends.reshape(-1, *ends.shape[2:])).reshape(2, -1)
+    steps = grid.steps[:, None, None]
+    motors = motor_speeds(robot, rates, path.at(grid.piece, grid.s), steps * ends[0], steps * ends[1])
+    both = None if motors is None else np.tile(motors / grid.steps[:, None], (2, 1))
+    speeds = largest(robot, rates, ends.reshape(-1, *ends.shape[2:]), both).reshape(2, -1)
     fastest = speeds.min(axis=0)
     gains = largest(robot, accelerations, ends[0])
     refuse_unlimited(np.minimum(fastest, gains))

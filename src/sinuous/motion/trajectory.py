@@ -12,10 +12,10 @@ from sinuous.base.checks import Floats
 from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, NotebookMixin, call
 from sinuous.files.joint_chain import Of
-from sinuous.model.rates import Rates
+from sinuous.model.rates import Rates, Spread
 from sinuous.model.robot import Robot
 from sinuous.motion import tables
-from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at_corners
+from sinuous.motion.blending import BlendedPath, blend_corners, cut_at_jumps, legs_of, stop_at_corners
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import splines_between
 from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
@@ -229,9 +229,12 @@ def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
     most = checks.number("blend", blend, low=0.0)
     if most > 0.0 and accelerations is None:
         raise InputError("blend", "rates have no acceleration, so there are no stops to blend", most, "0")
+    _refuse_elastic(motion.robot, limits, accelerations, most)
     legs = legs_of(motion.robot, motion.configuration, motion.steps)
     if not len(legs.sizes):
         raise InputError("motion", "stands still", motion, "a motion that moves")
+    if accelerations is not None and accelerations.limits_elastic(motion.robot):
+        legs = cut_at_jumps(motion.robot, legs)
     path = stop_at_corners(legs)
     found = [Trajectory(motion, path, scale_with_stops(motion.robot, path, limits, accelerations))]
     if accelerations is not None and most > 0.0 and len(legs.sizes) > 1:
@@ -239,3 +242,19 @@ def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
             path = blend_corners(motion.robot, legs, share * most)
             found.append(Trajectory(motion, path, scale_blended(motion.robot, path, limits, accelerations)))
     return min(reversed(found), key=lambda each: each.duration)
+
+
+def _refuse_elastic(robot: Robot, rates: Spread, accelerations: Spread | None, blend: float) -> None:
+    """Refuse what is not known of motors whose values include a stretch."""
+    elastic, accelerates = robot.drive.elastic, accelerations is not None and accelerations.limits_elastic(robot)
+    if elastic is None or not (accelerates or rates.limits_elastic(robot)):
+        return
+    if accelerates and not elastic.speeds.linear:
+        problem = "elastic actuators bend segments whose lengths change"
+        raise InputError("rates.acceleration.actuator", problem, None, "none for elastic actuators")
+    if blend > 0.0 and accelerates:
+        raise InputError(
+            "blend", "accelerations limit elastic actuators, which jump where tendons go slack", blend, "0"
+        )
+    if blend > 0.0 and not elastic.speeds.linear:
+        raise InputError("blend", "rates limit elastic actuators of segments whose lengths change", blend, "0")

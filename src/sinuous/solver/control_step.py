@@ -32,7 +32,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.loaded_control_step import LoadedControlStep
 from sinuous.solver.loaded_solve import unsolved_start
 from sinuous.solver.options import SolveOptions
-from sinuous.solver.step_query import STILL, RateLimits, StepQuery
+from sinuous.solver.step_query import STILL, MotorBounds, RateLimits, StepQuery
 from sinuous.statics.rest import pulls_at
 
 ROUNDS = 30
@@ -43,6 +43,9 @@ TIGHTENED, TIGHTER = 6, 1.5
 
 RATES = a.LENGTH_RATE_LIMIT, a.BEND_RATE_LIMIT, a.ACTUATOR_RATE_LIMIT
 """Kinds of constraints that end a solve within changes with `RATE_BOUND`."""
+
+RETRIED = 12
+"""How often a step is made again on whose way a motor of an elastic actuator runs too fast."""
 
 SIZES = 3, 6
 """Numbers of a velocity, and of a twist."""
@@ -200,7 +203,24 @@ class ControlLoop:
     def _answer(
         self, scene: Snapshot, asked: StepQuery, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
     ) -> Floats:
-        """Make a step, of the loaded body where there is one; see `_advance`."""
+        """Make a step, of the loaded body where there is one; see `_advance`.
+
+        Where motors of elastic actuators have rates, it is made again until they keep them all the way; at last the
+        robot stays where it is.
+        """
+        if limits.motors is None:
+            return self._one_answer(scene, asked, initial, limits, dt, velocity)
+        bounds = MotorBounds(limits.motors, initial, dt, velocity)
+        for tried in range(RETRIED + 1):
+            own = asked._replace(motors=bounds.rows, still=tried == RETRIED)
+            answer = self._one_answer(scene, own, initial, limits, dt, velocity)
+            if bounds.keep(answer[t.CONFIGURATION : t.CONFIGURATION + initial.size].reshape(initial.shape)):
+                break
+        return answer
+
+    def _one_answer(
+        self, scene: Snapshot, asked: StepQuery, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
+    ) -> Floats:
         if self._group is None:
             room = a.most_constraints(len(initial))
             return self._loaded(scene)(asked, initial, limits, dt, velocity, room)
@@ -221,6 +241,9 @@ class ControlLoop:
         scratch.group[: a.HEADER] = head
         if velocity is not None:
             limits.write_before(scratch.group[a.HEADER :], dt, velocity)
+        limits.write_motors(scratch.group[a.HEADER :], asked)
+        if asked.still:
+            self._local.limits = None  # what is written here is not that of the next step
         groups = self._group, table, self._settings, asked.targets
         if limits.tensions is not None and not limits.tensions.linear:
             return self._advance_within_tensions(groups, scratch, initial, limits)

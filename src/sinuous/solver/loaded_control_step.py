@@ -176,6 +176,9 @@ class LoadedControlStep:
         group[: a.HEADER] = asked.kind, *asked.motion, asked.rounds, asked.wish, asked.seconds, count, 0, 0
         if velocity is not None:
             limits.write_before(group[a.HEADER :], dt, velocity)
+        limits.write_motors(group[a.HEADER :], asked)
+        if asked.still:
+            self._asked = None, 0.0, np.empty(0)  # what is written here is not that of the next step
         tip, at = np.zeros((6, begin.q.size)), (begin.q, begin.states, begin.tensions)
         groups, space = (robot, arcs, scene, settings, asked.targets, group), self._workspace(asked, count)
         self._work = kernel.loaded_step(*groups, *self._tables, follow, *at, space, tip, answer)

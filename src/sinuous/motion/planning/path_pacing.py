@@ -147,7 +147,7 @@ class _PathGrid:
 def _grid_of(query: TimedQuery, path: Floats) -> _PathGrid | None:
     """Cut a path into pieces that can be passed from rest in an interval; `None` where there is no time."""
     moves = np.diff(path, axis=0)
-    speeds, gains = query.speeds(moves), query.gains(moves)
+    speeds, gains = query.speeds(path[:-1], moves), query.gains(np.diff(query.counted(path), axis=0))
     window = query.end - query.begin
     if query.rates is None:
         sizes = np.abs(moves).sum(axis=(1, 2))
@@ -179,11 +179,13 @@ def _allowed(query: TimedQuery, places: Floats, times: Floats, interval: float) 
     count, jumps = len(places), np.arange(-FASTEST, FASTEST + 1)
     to, back = np.arange(count)[:, None] + jumps, np.arange(count)[:, None] - jumps
     is_there, came = (to >= 0) & (to < count), (back >= 0) & (back < count)
-    on = places[np.clip(to, 0, count - 1)] - places[:, None]
-    before = places[:, None] - places[np.clip(back, 0, count - 1)]
-    flat = (-1, *places.shape[1:])
-    least = (1.0 - ROUNDING) / interval
-    fast = is_there & (query.speeds(on.reshape(flat)) >= least).reshape(is_there.shape)
+    counted, last = query.counted(places), count - 1
+    on = counted[np.clip(to, 0, last)] - counted[:, None]
+    before = counted[:, None] - counted[np.clip(back, 0, last)]
+    least, flat = (1.0 - ROUNDING) / interval, (-1, counted.shape[1])
+    fast = np.zeros(is_there.shape, bool)
+    begin, end = np.nonzero(is_there)[0], to[is_there]
+    fast[is_there] = query.speeds(places[begin], places[end] - places[begin]) >= least
     turns = on[:, :, None] - before[:, None]
     square = least / interval
     smooth = (query.gains(turns.reshape(flat)) >= square).reshape(turns.shape[:3]) & came[:, None]

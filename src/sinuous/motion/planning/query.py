@@ -1,5 +1,6 @@
 """What a planner is asked: from where to where, in which scene, until when; and what it answers."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,7 +14,7 @@ from sinuous.base.progress import work_time
 from sinuous.model.rates import Rates, Spread
 from sinuous.model.robot import Robot
 from sinuous.motion.configurations import lever_metric
-from sinuous.motion.timing import largest
+from sinuous.motion.timing import largest, motor_speeds
 from sinuous.problem.target import Target
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.certificates.steps import LOOSE_SECONDS, Prover, is_passable
@@ -210,29 +211,48 @@ class TimedQuery(Query):
         """How fast rates may change; `None` where nothing limits it."""
         return self._spreads[1]
 
-    def speeds(self, moves: Floats) -> Floats:
-        """How many times straight moves (m, n, 3) can be made in a unit of time (m,), by the rates."""
-        return _largest(self.robot, self._spreads[0], moves)
+    def speeds(self, q: Floats, moves: Floats) -> Floats:
+        """How many times straight moves (m, n, 3) from `q` can be made in a unit of time (m,), by the rates."""
+        most = self._spreads[0]
+        if most is None:
+            return np.full(len(moves), np.inf)
+        return largest(self.robot, most, moves, motor_speeds(self.robot, most, q, moves))
 
-    def gains(self, moves: Floats) -> Floats:
-        """How much `speeds` may change in a unit of time (m,), by the accelerations."""
-        return _largest(self.robot, self._spreads[1], moves)
+    def gains(self, changes: Floats) -> Floats:
+        """How much `speeds` may change in a unit of time (m,), by the accelerations, where `counted` do so (m, c)."""
+        most, size = self._spreads[1], self.start.size
+        if most is None:
+            return np.full(len(changes), np.inf)
+        motors = changes[:, size:] if most.limits_elastic(self.robot) else None
+        return largest(self.robot, most, changes[:, :size].reshape(-1, *self.start.shape), motors)
+
+    def counted(self, q: Floats) -> Floats:
+        """What accelerations are counted in (..., c): configurations (..., n, 3), and values of motors that stretch."""
+        flat, most = q.reshape(*q.shape[:-2], -1), self._spreads[1]
+        if most is None or not most.limits_elastic(self.robot):
+            return flat
+        return np.concatenate([flat, self.robot.drive.values(q)], axis=-1)
 
     @cached_property
     def _spreads(self) -> tuple[Spread | None, Spread | None]:
         """Rates and accelerations of every row and actuator."""
         return (None, None) if self.rates is None else (self.rates.spread(self.robot), self.rates.further(self.robot))
 
-    def least(self, moves: Floats) -> Floats:
-        """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound for any path."""
-        return 1.0 / self.speeds(moves)
+    def least(self, q: Floats, moves: Floats) -> Floats:
+        """Least durations (m,) of straight moves (m, n, 3) from `q` that the rates allow."""
+        return 1.0 / self.speeds(q, moves)
 
-    def soonest(self, move: Floats) -> float:
-        """Return a lower bound of the duration of any path from rest to rest whose ends differ by `move` (n, 3).
+    def soonest(self, q0: Floats, q1: Floats) -> float:
+        """Return a lower bound of the duration of any path from rest at `q0` to rest at `q1` (n, 3).
 
         Under an acceleration a it takes at least 2 sqrt(d / a) to get as far as d.
         """
-        return max(float(self.least(move[None])[0]), 2.0 / float(np.sqrt(self.gains(move[None])[0])))
+        move, drive = (q1 - q0)[None], self.robot.drive
+        motors = None if drive.elastic is None else (drive.values(q1) - drive.values(q0))[None]
+        fast, gain = (
+            math.inf if most is None else float(largest(self.robot, most, move, motors)[0]) for most in self._spreads
+        )
+        return max(1.0 / fast, 2.0 / math.sqrt(gain))
 
     def prove(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return what is proved of an edge (14,); `None` where it is not proved clear."""
@@ -241,11 +261,6 @@ class TimedQuery(Query):
 
     def prove_in_time(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return the same for an edge that may be too quick for the rates; `None` where it is."""
-        if t1 <= t0 or self.least((q1 - q0)[None])[0] > (t1 - t0) * (1.0 + ROUNDING):
+        if t1 <= t0 or self.least(q0, (q1 - q0)[None])[0] > (t1 - t0) * (1.0 + ROUNDING):
             return None
         return self.prove(q0, q1, t0, t1)
-
-
-def _largest(robot: Robot, most: Spread | None, moves: Floats) -> Floats:
-    """Return the largest multiple of each move (m, n, 3) that is allowed (m,); infinite where nothing limits it."""
-    return np.full(len(moves), np.inf) if most is None else largest(robot, most, moves)

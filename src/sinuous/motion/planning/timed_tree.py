@@ -64,7 +64,7 @@ def _extend_tree(query: TimedQuery, tree: Tree, q: Floats, when: float) -> int |
     before = waits > 1e-9 * (query.end - query.begin)
     if not before.any():
         return None
-    least = query.least(moves)
+    least = query.least(tree.q, moves)
     late = np.maximum(0.0, least / np.maximum(waits, 1e-300) - 1.0)
     far = np.where(before, tree.distances(q) * (1.0 + late), math.inf)
     for node in np.argsort(far)[:NEXT].tolist():
@@ -82,7 +82,7 @@ def _extend_tree(query: TimedQuery, tree: Tree, q: Floats, when: float) -> int |
 def _arrive_at(query: TimedQuery, tree: Tree, node: int, goal: Floats) -> int | None:
     """Add an edge from a node to a goal (n, 3), at the end of the time or as early as rates allow."""
     begin = float(tree.times[node])
-    least = float(query.least((goal - tree.q[node])[None])[0]) * (1.0 + ROUNDING)
+    least = float(query.least(tree.q[node], (goal - tree.q[node])[None])[0]) * (1.0 + ROUNDING)
     left = query.end - begin
     if least > left or left <= 0.0:
         return None

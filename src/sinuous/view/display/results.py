@@ -11,7 +11,7 @@ from sinuous.base.errors import counted, duration
 from sinuous.model.rates import Rates
 from sinuous.model.robot import Robot
 from sinuous.motion.motion import Motion, left_in_words, reached_in_words
-from sinuous.motion.timing import largest
+from sinuous.motion.timing import largest, motor_speeds
 from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.body import body_of
 from sinuous.statics.rest import bodies_at
@@ -197,8 +197,12 @@ def actuators_of(motion: Motion) -> Curves:
 
 def speeds_of(motion: Motion, rates: Rates) -> Curves:
     """What share of the rates each step takes, of what is nearest to its own: even within a step."""
-    steps = np.diff(motion.configuration, axis=0) / np.diff(motion.times)[:, None, None]
-    shares = 100.0 / largest(motion.robot, rates.spread(motion.robot), steps)
+    q, spread, durations = motion.configuration, rates.spread(motion.robot), np.diff(motion.times)[:, None, None]
+    moves = np.diff(q, axis=0)
+    motors = motor_speeds(motion.robot, spread, q[:-1], moves)
+    shares = 100.0 / largest(
+        motion.robot, spread, moves / durations, None if motors is None else motors / durations[..., 0]
+    )
     return Curves(
         "speed", np.repeat(motion.times, 2)[1:-1], np.repeat(shares, 2)[:, None], ("speed",), "% of the rates"
     )

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,14 @@ def test_every_noun_and_verb_refuses_what_it_does_not_have(name: str, public: An
     if own:
         error = refused("nonsense", lambda: public(nonsense=1), "unknown option")
         assert isinstance(error, TypeError)  # as Python says it of other functions
+
+
+@with_each(("name", "noun"), [each for each in nouns_and_verbs() if inspect.isclass(each[1])])
+def test_every_method_refuses_what_it_does_not_have(name: str, noun: type) -> None:
+    for key, method in inspect.getmembers_static(noun, inspect.isfunction):
+        takes_any = inspect.unwrap(method).__code__.co_flags & inspect.CO_VARKEYWORDS
+        if not key.startswith("_") and method.__module__.startswith("sinuous.") and not takes_any:
+            refused("nonsense", partial(method, None, nonsense=1), "unknown option")
 
 
 @with_each(("name", "public"), nouns_and_verbs)

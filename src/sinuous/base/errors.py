@@ -253,7 +253,7 @@ Kind = TypeVar("Kind")
 
 
 def answers_attributes(**instead: str) -> Callable[[type[Kind]], type[Kind]]:
-    """Let objects of a class say where that is which one guesses at them; type checkers see none of it."""
+    """Let a class say where to look for attributes that are guessed, `instead` of them; no type checker sees it."""
 
     def around(kind: type[Kind]) -> type[Kind]:
         def missing(self: Any, name: str) -> Any:
@@ -282,6 +282,8 @@ MEANT = {
     "ratio": "gain: of displacements to what the motors count",
     "gear": "gain of tendons, chambers and stages: of displacements to what the motors count",
     "diameter": "radius, half of it",
+    "file": "'path'",
+    "path": "'file'",
     "unit": "scale: units of the scene in one of the file, 0.001 from mm to m",
     "units": "scale: units of the scene in one of the file, 0.001 from mm to m",
     "r": "'radius'",
@@ -344,10 +346,7 @@ def _explain_methods(owner: type) -> None:
         function = getattr(value, "__func__", value)
         if not inspect.isfunction(function) or function.__qualname__ in HOT or "__wrapped__" in vars(function):
             continue
-        optional = (
-            function.__defaults__ or function.__kwdefaults__ or function.__code__.co_flags & inspect.CO_VARKEYWORDS
-        )
-        if name == "__init__" or (optional and not name.startswith("_")):
+        if name == "__init__" or not name.startswith("_"):
             around = _explaining(function)
             setattr(owner, name, around if function is value else type(value)(around))
 
@@ -378,6 +377,8 @@ def _names(function: Callable[..., Any], given: Iterable[str]) -> list[str]:
     """Keywords that a function takes, those that it passes on one by one; whatever is given where it takes any."""
     names: list[str] = []
     for name, each in inspect.signature(function).parameters.items():
+        if each.kind is each.VAR_POSITIONAL:
+            continue
         if each.kind is not each.VAR_KEYWORD:
             names.append(name)
         elif (kind := get_args(each.annotation)) and is_typeddict(kind[0]):

@@ -7,7 +7,9 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
+from sinuous.cli.options import Output
 from tests.cli.conftest import GOAL, PROBLEMS, ROBOT, START, TARGET
+from tests.helpers import refused
 
 RATES = "rates: {bend: 0.1, length: 0.05}\n"
 MOVING = (
@@ -175,6 +177,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
     yield from sorted((file.name, file.read_bytes()) for file in folder.iterdir())
+
+
+def test_a_picture_of_an_unknown_kind_is_told_of_pages_too() -> None:
+    refused("--plot", lambda: Output(plot=Path("picture.txt")).check([]), ".html, ")
 
 
 @pytest.mark.parametrize("typed", CALLS)

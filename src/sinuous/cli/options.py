@@ -264,9 +264,9 @@ class Output:
 
             check_page("--plot", self.plot)
         elif self.plot is not None:
-            from sinuous.view.pictures.figures import check_picture  # noqa: PLC0415
+            from sinuous.view.pictures.figures import MOVIES, check_picture  # noqa: PLC0415
 
-            check_picture("--plot", self.plot)
+            check_picture("--plot", self.plot, others=(*MOVIES, "html"))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -87,9 +87,9 @@ def test_notes_name_segments_that_are_too_thick() -> None:
     robot = sn.Robot([thick, thick, thin, thick])
     assert robot.notes == (
         "segments 1 to 2: a radius of 0.5 is above the smallest radius of curvature, 0.3333; while self_collision is "
-        "avoided, the bend at length 1 is at most 2",
+        "avoided, the bend at length 1 is at most 2 rad",
         "segment 4: a radius of 0.5 is above the smallest radius of curvature, 0.3333; while self_collision is "
-        "avoided, the bend at length 1 is at most 2",
+        "avoided, the bend at length 1 is at most 2 rad",
     )
     assert sn.Robot([thick, thin], self_collision="allow").notes == ()
     assert sn.Robot([sn.Segment(2.0, 3.0, radius=0.5)]).notes == ()

@@ -351,12 +351,8 @@ def robot_element(chain: JointChain) -> Element:
 def note_limits(root: Element, robot: "Robot", kept: Set[str]) -> None:
     """Say in a file which kinds of limits of the robot it does not keep, but for those `kept`."""
     tensions = {"tension"} if np.isfinite(robot.limit_set.tensions).any() else set()
-    left = sorted((robot.limit_set.kinds | tensions) - kept)
-    root.append(
-        Comment(
-            f" Joints are limited one by one. That does not keep limits of {', '.join(left)}: see robot.violations "
-        )
-    )
+    left = ", ".join(sorted((robot.limit_set.kinds | tensions) - kept))
+    root.append(Comment(f" Joints are limited one by one, which does not keep limits of {left}: see robot.violations "))
 
 
 def _link(root: Element, name: str, link: Link, thin: float) -> None:

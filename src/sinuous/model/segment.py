@@ -377,7 +377,7 @@ def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: S
             which = f"segment {first}" if first == last else f"segments {first} to {last}"
             notes.append(
                 f"{which}: a radius of {radius:g}{half} is above the smallest radius of curvature, {length / own:.4g}; "
-                f"while self_collision is avoided, the bend at length {length:g} is at most {allowed:.4g}"
+                f"while self_collision is avoided, the bend at length {length:g} is at most {allowed:.4g} rad"
             )
         first = last + 1
     return notes

@@ -83,8 +83,8 @@ class Motion(NotebookMixin, Frozen):
     scene : Snapshot
         The obstacles as they were. Where a live scene was updated on the way, as they were at the end: all steps are
         proved in that, also those that were made before.
-    q : ndarray (T, n, 3)
-        The knots, read-only.
+    configuration : ndarray (T, rows, 3)
+        The knots, of joints and segments, read-only; `q` and `joints` are parts of it.
     times : ndarray (T,)
         Increasing, read-only; in seconds where rates or times were given, else a waypoint takes 1.
     steps : Steps

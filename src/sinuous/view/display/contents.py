@@ -133,10 +133,11 @@ Loaded = tuple[Robot, Floats]
 
 
 def bodies_of(robot: Robot, q: Floats, solved: bool, number: int, loaded: Loaded | None = None) -> Iterator[Arm]:
-    """Yield what is drawn of a robot in configurations (T, n, 3), each with its own (T, m, 3): first its body.
+    """Yield the bodies that are drawn of a robot in configurations (T, n, 3): first its body, then ghosts.
 
-    Ghosts are the body without its load, and around one that may be elsewhere the room in which it is. `loaded` is the
-    body under other loads than gravity and payload. Tools are drawn as if no arc were twisted.
+    Each has configurations (T, m, 3) of its own. Ghosts are the body without its load, and around one that may be
+    elsewhere the room in which it is. `loaded` is the body under other loads than gravity and payload. Tools are drawn
+    without the torsion of arcs.
     """
     body = Arm(*(loaded or bodies_at(robot, q)), solved, False, number, robot)
     yield body

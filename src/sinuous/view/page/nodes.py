@@ -145,7 +145,7 @@ class BodyNode:
     name : str
         Name of its nodes.
     robot : Robot
-    look : Look
+    look : BodyStyle
     """
 
     def __init__(self, scene: SceneApi, name: str, robot: Robot, look: BodyStyle) -> None:

@@ -1,4 +1,4 @@
-"""What notebooks show: a small picture beside a small table. Nothing runs behind it."""
+"""What notebooks show, a small picture beside a small table; and what `--plot` writes. Nothing runs behind it."""
 
 from collections import Counter
 from collections.abc import Callable

@@ -112,6 +112,14 @@ def test_every_public_name_is_in_the_reference() -> None:
     assert methods == set(sn.methods.__all__) - {"Network", "train"}
 
 
+def test_pages_name_every_way_into_and_out_of_a_file() -> None:
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES if page.parent.name != "reference")
+    public = [getattr(sn, name) for name in sn.__all__]
+    ways = {way for noun in public for way in dir(noun) if re.match("to_|from_|save$|load$", way)}
+    assert {"to_csv", "to_mjcf", "to_urdf"} <= ways
+    assert {way for way in ways if not re.search(rf"\b{way}\b", text)} == set()
+
+
 def test_pictures_are_made_by_one_command() -> None:
     """Those of experiments are made by these; every other one by `docs/figures.py`, and is shown somewhere."""
     source = (DOCS / "figures.py").read_text(encoding="utf-8")

@@ -112,9 +112,14 @@ def free_configurations(robot: sn.Robot, scene: sn.Scene, count: int, rng: Gener
 
 def in_ball(rng: Generator) -> Floats:
     """Draw a point of the unit ball, evenly."""
-    direction = rng.normal(size=3)
-    point: Floats = direction / np.linalg.norm(direction) * rng.random() ** (1.0 / 3.0)
+    point: Floats = direction(rng) * rng.random() ** (1.0 / 3.0)
     return point
+
+
+def direction(rng: Generator) -> Floats:
+    """Draw a unit vector, evenly."""
+    drawn = rng.normal(size=3)
+    return np.asarray(drawn / np.linalg.norm(drawn))
 
 
 PAPER_POSES = {

@@ -247,7 +247,7 @@ def _drawn(robot: sn.Robot, rng: Generator, share: tuple[float, float] = SHARE) 
     """Draw a shape, and the number of the frame where it goes through a wall."""
     q = draw_shape(robot, DOOR_APART * max(robot.radii), rng)
     curve = curve_of(robot, q, SAMPLES)
-    return q, curve, round(rng.uniform(*share) * (len(curve.poses) - 1))
+    return q, curve, curve.draw(share, rng)
 
 
 def _cell_at_base(robot: sn.Robot, q: Floats, curve: Curve, k: int, rng: Generator) -> Sketch | None:
@@ -265,12 +265,10 @@ def common_wall(first: Cell, other: Cell, thin: float, rng: Generator) -> list[s
 
     `None` where no room is left for the slit.
     """
-    flipped_low, flipped_high = other.low[:2] * [1.0, -1.0], other.high[:2] * [1.0, -1.0]
-    low = np.minimum(first.low[:2], np.minimum(flipped_low, flipped_high))
-    high = np.maximum(first.high[:2], np.maximum(flipped_low, flipped_high))
-    wall = first.wall
-    low, high = np.append(low - wall, -0.5 * wall), np.append(high + wall, 0.5 * wall)
-    both = _overlap(first, other)
+    flipped, wall = np.sort([other.low[:2] * [1.0, -1.0], other.high[:2] * [1.0, -1.0]], axis=0), first.wall
+    low = np.append(np.minimum(first.low[:2], flipped[0]) - wall, -0.5 * wall)
+    high = np.append(np.maximum(first.high[:2], flipped[1]) + wall, 0.5 * wall)
+    both = np.maximum(first.low[:2], flipped[0]), np.minimum(first.high[:2], flipped[1])
     slit = thin * np.array([rng.uniform(*SLIT), rng.uniform(1.0, 4.0)])
     centers = rng.uniform(both[0] + slit, np.maximum(both[1] - slit, both[0] + slit), (20, 2))
     right = centers[:, 0] - slit[0] > first.half[0] + 0.3 * thin
@@ -287,14 +285,6 @@ def common_wall(first: Cell, other: Cell, thin: float, rng: Generator) -> list[s
         *wall_with_door(first.frame, low, left_high, real, "door"),
         *wall_with_door(first.frame, right_low, high, false, "slit"),
     ]
-
-
-def _overlap(first: Cell, other: Cell) -> Floats:
-    """Corners (2, 2) of the part of the wall that both cells have, in x and y of the first one's frame."""
-    a, b = other.low[:2] * [1.0, -1.0], other.high[:2] * [1.0, -1.0]
-    low = np.maximum(first.low[:2], np.minimum(a, b))
-    high = np.minimum(first.high[:2], np.maximum(a, b))
-    return np.array([low, high])
 
 
 PLATE_FEWEST, PLATE_MOST = 2, 6
@@ -374,7 +364,7 @@ def nested(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell within a larger cell, each with a door of its own; the target is outside."""
     q = draw_shape(robot, KEYHOLE_APART * max(robot.radii), rng)
     curve, radius = curve_of(robot, q, SAMPLES), max(robot.radii)
-    first, second = (round(rng.uniform(*share) * (len(curve.poses) - 1)) for share in (INNER, OUTER))
+    first, second = (curve.draw(share, rng) for share in (INNER, OUTER))
     inner_door, outer_door = doorway(curve.poses[first], rng), doorway(curve.poses[second], rng)
     before, after = curve.before(first), curve.after(first)
     inner = cell_between(before, after, inner_door, draw_half(radius, rng), radius, rng)
@@ -422,7 +412,7 @@ def small_world(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Draw any shape of a robot, and put a door where the shape passes: in a wall, or in that of a cell."""
     q, radius = random_configurations(robot, 1, rng)[0], max(robot.radii)
     curve = curve_of(robot, q, SAMPLES)
-    k = round(rng.uniform(0.15, 0.9) * (len(curve.poses) - 1))
+    k = curve.draw((0.15, 0.9), rng)
     kind, half = int(rng.integers(3)), draw_half(radius, rng)
     frame = doorway(curve.poses[k], rng, inwards=kind == 2)
     if kind == 0:

@@ -34,6 +34,8 @@ RADIUS = 0.01
 TOLERANCE = sn.Tolerance(0.7e-6, 0.7e-6)
 """Published codes were asked for an error of 1e-2 in se(3); ours is asked for 1e-6."""
 
+Range = tuple[float, float]
+
 SHORT = (0.15, 0.55)
 
 
@@ -59,31 +61,29 @@ def _scene(number: int) -> sn.Scene:
     return sn.Scene([sn.Sphere(center, radius) for center in centers])
 
 
+PUBLISHED: dict[str, tuple[tuple[int, ...], Range | float, str]] = {
+    "p3": ((3,), 1.0, "rotation"),
+    "p4 direction": ((3, 4, 5, 6), SHORT, "direction"),
+    "p4 pose": ((3, 4, 5, 6), SHORT, "rotation"),
+}
+"""Numbers of segments, in turn, their length, and what is asked for beside the position, by protocol."""
+
+
 @lru_cache
-def _robot(count: int, short: bool) -> sn.Robot:
-    return sn.Robot.uniform(count, SHORT if short else 1.0, math.pi, radius=RADIUS)
+def _robot(count: int, length: Range | float) -> sn.Robot:
+    return sn.Robot.uniform(count, length, math.pi, radius=RADIUS)
 
 
-def fixed(seed: int) -> Place:
-    """P3: three inextensible segments, position and rotation; scenes in turn."""
-    return _draw("p3", seed, _robot(3, False), _scene(seed % 4), whole=True)
-
-
-def extensible(seed: int, whole: bool) -> Place:
-    """P4: three to six extensible segments, position and direction or (`whole`) rotation; scenes and robots in turn."""
-    family = "p4 pose" if whole else "p4 direction"
-    return _draw(family, seed, _robot(3 + seed // 4 % 4, True), _scene(seed % 4), whole)
-
-
-def _draw(family: str, seed: int, robot: sn.Robot, scene: sn.Scene, whole: bool) -> Place:
-    """Draw shapes until one is free."""
-    rng = np.random.default_rng([seed, len(robot), int(whole)])
+def published(family: str, seed: int) -> Place:
+    """Draw a free shape among balls, as published: 3 inextensible segments, or 3 to 6 extensible ones."""
+    counts, length, asked = PUBLISHED[family]
+    robot, scene = _robot(counts[seed // 4 % len(counts)], length), _scene(seed % 4)
+    rng = np.random.default_rng([seed, len(robot), int(asked == "rotation")])
     while True:
         q = published_configurations(robot, 1, rng)[0]
         if least_clearance(robot, scene, q[None], 0.0)[0] > 0.0:
             break
-    tip = tip_poses(robot, q[None])[0]
-    target = target_at(tip, "rotation" if whole else "direction")
+    target = target_at(tip_poses(robot, q[None])[0], asked)
     return Place(family, seed, robot, scene, (target,), TOLERANCE, q)
 
 
@@ -189,7 +189,7 @@ def deep(robot: sn.Robot, rng: Generator) -> Sketch:
     """Put the target deep into a bent tube, closed at the bottom or open."""
     radius, width = max(robot.radii), rng.uniform(*DEEP_WIDTH)
     q, curve = tubes.tube_shape(robot, width, rng)
-    within = tubes.past(robot, q, curve.poses[round(rng.uniform(*DEEP) * (len(curve.poses) - 1)) :], rng)
+    within = tubes.past(robot, q, curve.poses[curve.draw(DEEP, rng) :], rng)
     return Sketch(robot, [tubes.around_target(within, width * radius, radius, rng).mesh("tube")], q)
 
 
@@ -201,7 +201,7 @@ def sleeve(robot: sn.Robot, rng: Generator) -> Sketch:
     """Put a tube that is open at both ends about most of the shape: shorter ways to the target lead past it."""
     radius, width = max(robot.radii), rng.uniform(*DEEP_WIDTH)
     q, curve = tubes.tube_shape(robot, width, rng)
-    begin, end = (round(rng.uniform(*share) * (len(curve.poses) - 1)) for share in (SLEEVE_BEGINS, SLEEVE_ENDS))
+    begin, end = curve.draw(SLEEVE_BEGINS, rng), curve.draw(SLEEVE_ENDS, rng)
     return Sketch(robot, [tubes.walled(curve.poses[begin : end + 1], width, radius, "sleeve")], q)
 
 
@@ -209,9 +209,7 @@ def port(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Put the target deep into a tube behind a wall with a port, larger than the robot is long."""
     radius, width = max(robot.radii), rng.uniform(*DEEP_WIDTH)
     q, curve = tubes.tube_shape(robot, width, rng)
-    last = len(curve.poses) - 1
-    door, begin = round(rng.uniform(*PORT) * last), round(rng.uniform(*BEHIND_PORT) * last)
-    at = curve.poses[door]
+    at, begin = curve.poses[curve.draw(PORT, rng)], curve.draw(BEHIND_PORT, rng)
     if cells.in_frame(at, curve.points[begin:])[:, 2].min() < 2.0 * width * radius:
         return None
     wall = solids.plate(at, 2.0 * float(q[:, 2].sum()), width * radius, radius)
@@ -318,66 +316,38 @@ class Family:
     joints: bool = False
 
 
-Traps = Mapping[str, tuple[Trap, str]]
-"""What is drawn around a robot, and what it is, by name."""
+def _named(*traps: Trap) -> dict[str, Trap]:
+    """Traps by the names of their functions."""
+    return {trap.__name__.replace("_", " "): trap for trap in traps}
 
-_PLAIN: Traps = {
-    **{f"spheres {n}": (partial(media.spheres, n), f"{n} balls beside the hidden shape") for n in (12, 40, 100)},
-    **{
-        f"pipe {w}": (partial(tubes.pipe, w), f"closed curved pipe of {w} times the body's radius, a mesh")
-        for w in (2.2, 1.6, 1.3)
-    },
-    "plates": (cells.plates, "2 to 6 plates with holes of 1.5 times the body's radius, meshes"),
-    "drum": (media.drum, "rows of blades on a drum, meshes; the target deep between two blades"),
-    "shelf": (media.shelf, "a shelf of boxes; the target deep in a compartment"),
-    "duct": (tubes.duct, "closed duct of 1.7 times the body's radius with 2 to 4 dead ends, a mesh"),
+
+WIDTHS = (2.2, 1.6, 1.3)
+"""Inner radii of pipes, in radii of the body."""
+
+_PLAIN: dict[str, Trap] = {
+    **{f"spheres {count}": partial(media.spheres, count) for count in (12, 40, 100)},
+    **{f"pipe {width}": partial(tubes.pipe, width) for width in WIDTHS},
+    **_named(cells.plates, media.drum, media.shelf, tubes.duct),
 }
 SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
 
-_TRAPS: Traps = {
-    **{
-        f"open pipe {w}": (
-            partial(tubes.open_pipe, w),
-            f"base in a mouth of a pipe of {w} times the body's radius, a mesh",
-        )
-        for w in (2.2, 1.6, 1.3)
-    },
-    "pipe between": (partial(tubes.pipe_between, 1.6), "an open pipe between base and target, a mesh"),
-    "guide tube": (tubes.guide_tube, "base in a straight tube that hardly leaves room, a mesh"),
-    "channel": (partial(tubes.open_channel, 1.5), "base in a straight channel of boxes"),
-    "bore": (partial(tubes.bore, False), "target in a blind bore, the base outside, a mesh"),
-    "square bore": (partial(tubes.bore, True), "target in a blind square bore, the base outside, boxes"),
-    "door out": (cells.door_out, "base in a cell with one door, the target outside, boxes"),
-    "door in": (cells.door_in, "target in a cell with one door, the base outside, boxes"),
-    "door beside": (cells.door_beside, "base in a cell whose door is beside or behind it, boxes"),
-    "two doors": (cells.two_doors, "two cells, and between them a door and one that is too narrow, boxes"),
-    "cells": (partial(tubes.between_cells, True), "from cell to cell through a straight channel, boxes"),
-    "cells pipe": (partial(tubes.between_cells, False), "from cell to cell through a bent pipe, boxes and a mesh"),
-    "two tubes": (tubes.two_tubes, "base in one pipe, target in another, the open between them, meshes"),
-    "funnel": (tubes.funnel, "target in a bent pipe whose mouth widens, the base outside, a mesh"),
-    "branches": (tubes.branches, "base in a mouth of a pipe with a dead end on its way, a mesh"),
-    "box duct": (tubes.box_duct, "a flat duct of rectangular section, from the base or beyond it, boxes"),
-    "rods": (media.rods, "hundreds of rods thrown about, capsules"),
-    "sheets": (media.sheets, "hundreds of thin sheets, boxes"),
-    "disks": (media.disks, "a body that bends in one plane among hundreds of disks and bars there, balls and capsules"),
-    "hoops": (media.hoops, "hoops, some of which the shape is threaded through, hundreds of capsules"),
-    "cables": (media.cables, "trays of curved cables, hundreds of capsules"),
-    "profiles": (media.profiles, "a frame of hundreds of profiles, boxes and cylinders"),
-    "assembly": (media.assembly, "hundreds of pieces of a machine, in one mesh or a mesh each"),
+_TRAPS: dict[str, Trap] = {
+    **{f"open pipe {width}": partial(tubes.open_pipe, width) for width in WIDTHS},
+    **_named(tubes.pipe_between, tubes.guide_tube),
+    "channel": tubes.open_channel,
+    "bore": partial(tubes.bore, False),
+    "square bore": partial(tubes.bore, True),
+    **_named(cells.door_out, cells.door_in, cells.door_beside, cells.two_doors),
+    "cells": partial(tubes.between_cells, True),
+    "cells pipe": partial(tubes.between_cells, False),
+    **_named(tubes.two_tubes, tubes.funnel, tubes.branches, tubes.box_duct, media.rods, media.sheets, media.disks),
+    **_named(media.hoops, media.cables, media.profiles, media.assembly),
 }
-_LONG: Traps = {"folded": (cells.folded, "20 segments folded in a cell before its door, boxes")}
-_JUDGING: Traps = {
-    "helix": (tubes.helix, "a helical pipe, open at both ends, the base before its mouth or in it, a mesh"),
-    "bronchi": (tubes.bronchi, "a tree of tapering tubes, the base in its mouth, the target in a leaf, a mesh"),
-    "stenosis": (tubes.stenosis, "a pipe with throats, the base before its mouth or in it, a mesh"),
-    "lattice": (media.lattice, "struts along three axes, capsules"),
-    "rubble": (media.rubble, "a heap of boxes and convex stones, meshes"),
-    "bundle": (media.bundle, "parallel tubes as in a heat exchanger, cylinders"),
-    "gyroid": (media.gyroid, "a porous solid with a tunnel, a mesh"),
-    "slab": (media.slab, "two plates and pillars between them, half-spaces and cylinders"),
-    "keyholes": (cells.keyholes, "thick walls with keyholes, meshes"),
-    "nested": (cells.nested, "a cell within a cell, a door each, boxes"),
-}
+_LONG = _named(cells.folded)
+_JUDGING = _named(
+    *(tubes.helix, tubes.bronchi, tubes.stenosis, media.lattice, media.rubble),
+    *(media.bundle, media.gyroid, media.slab, cells.keyholes, cells.nested),
+)
 SCANNED_TRAPS = (
     *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
     *("door out", "door in", "door beside", "two doors", "cells", "cells pipe"),
@@ -385,45 +355,45 @@ SCANNED_TRAPS = (
 MESHED = ("square bore", "door out", "door in", "door beside", "two doors", "cells", "folded")
 
 
-def _for(robots: Callable[[int, Generator], Robot], traps: Traps) -> dict[str, tuple[Draw, str]]:
+def _for(robots: Callable[[int, Generator], Robot], traps: Mapping[str, Trap]) -> dict[str, Draw]:
     """Traps as they are drawn for these robots."""
-    return {name: (partial(trapped, trap, robots), words) for name, (trap, words) in traps.items()}
+    return {name: partial(trapped, trap, robots) for name, trap in traps.items()}
 
 
-def _scans(drawn: Mapping[str, tuple[Draw, str]]) -> dict[str, tuple[Draw, str]]:
-    return {f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, (draw, _) in drawn.items()}
+def _scans(drawn: Mapping[str, Draw]) -> dict[str, Draw]:
+    return {f"{name} scan": partial(scan, draw) for name, draw in drawn.items()}
+
+
+def _words(drawn: Callable[..., object]) -> str:
+    """What is drawn, as the docstring of the function says, or that of the trap."""
+    while isinstance(drawn, partial):
+        drawn = drawn.args[0] if drawn.func is trapped else drawn.func
+    return (drawn.__doc__ or "").partition("\n")[0]
 
 
 def _families() -> dict[str, Family]:
     """Places as they are drawn, as meshes, and as scans, each for its robots."""
     drawn = _for(robot_of, _PLAIN)
     drawn |= _scans({name: drawn[name] for name in SCANNED})
-    hall = {"hall": (cells.hall, "base in a hall of 1000 radii with one door, boxes")}
-    traps = _for(various_robot, _TRAPS) | _for(long_robot, _LONG) | _for(thin_robot, hall)
-    traps |= {f"{name} mesh": (partial(meshed, traps[name][0]), f"a mesh of {name}") for name in MESHED}
+    traps = _for(various_robot, _TRAPS) | _for(long_robot, _LONG) | _for(thin_robot, _named(cells.hall))
+    traps |= {f"{name} mesh": partial(meshed, traps[name]) for name in MESHED}
     traps |= _scans(_for(stout_robot, {name: _TRAPS[name] for name in SCANNED_TRAPS}))
     traps |= _scans(_for(partial(long_robot, stout=True), _LONG))
-    small = "any robot and shape, a door that it goes through, and boxes, quickly made"
-    traps |= _for(cells.any_robot, {"small world": (cells.small_world, small)}) | _for(various_robot, _JUDGING)
-    traps["stage"] = staged, "on a stage of 3 to 50 segments' lengths, what is narrow about the target, or between"
-    on_joints = {
-        "six axes": (six_axes, "on an elbow robot of six axes, the same"),
-        "driven base": (driven, "on a base that drives and turns, the same"),
-        "rail": (railed, "on a rail, and rolled, the same"),
+    traps |= _for(cells.any_robot, _named(cells.small_world)) | _for(various_robot, _JUDGING)
+    on_joints: dict[str, Draw] = {
+        name: partial(carried, joints)
+        for name, joints in (("six axes", six_axes), ("driven base", driven), ("rail", railed))
     }
-    traps |= {name: (partial(carried, joints), words) for name, (joints, words) in on_joints.items()}
+    traps |= {"stage": staged} | on_joints
     families = {
         # The name is part of what the draws begin with.
-        name: Family(partial(settle, name, draw=draw), words, False, name in traps, name in _JUDGING, name in on_joints)
-        for name, (draw, words) in (drawn | traps).items()
+        name: Family(
+            partial(settle, name, draw=draw), _words(draw), False, name in traps, name in _JUDGING, name in on_joints
+        )
+        for name, draw in (drawn | traps).items()
     }
-    extended = "four scenes of balls, 3 to 6 extensible segments"
-    published: dict[str, tuple[Callable[[int], Place], str]] = {
-        "p3": (fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
-        "p4 direction": (partial(extensible, whole=False), f"{extended}, position and direction"),
-        "p4 pose": (partial(extensible, whole=True), f"{extended}, position and rotation"),
-    }
-    return families | {name: Family(made, words, published=True) for name, (made, words) in published.items()}
+    made = {name: partial(published, name) for name in PUBLISHED}
+    return families | {name: Family(draw, _words(draw), published=True) for name, draw in made.items()}
 
 
 FAMILIES = _families()

@@ -16,6 +16,7 @@ import sinuous as sn
 from benchmarks.places import solids
 from benchmarks.places.parts import Curve, about_z, arc, curve_of, draw_flat_shape, draw_shape
 from benchmarks.places.place import Sketch, sketch_of
+from benchmarks.problems import direction
 from sinuous.base.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Obstacle
@@ -220,7 +221,7 @@ def rods(robot: sn.Robot, rng: Generator) -> Sketch:
     """Throw straight rods around the shape, at random."""
 
     def rod(place: Floats, radius: float) -> list[Obstacle]:
-        half = 0.5 * radius * rng.uniform(*ROD_LENGTH) * _way(rng)
+        half = 0.5 * radius * rng.uniform(*ROD_LENGTH) * direction(rng)
         return [sn.Capsule(place - half, place + half, radius * rng.uniform(*ROD))]
 
     return _crowd(robot, rng, rod, 1)
@@ -239,11 +240,8 @@ def sheets(robot: sn.Robot, rng: Generator) -> Sketch:
 
 def disks(robot: sn.Robot, rng: Generator) -> Sketch | None:
     """Bend a body that bends in one plane between disks and bars of that plane: balls and capsules."""
-    segments = [
-        sn.Segment(one.length, one.max_bend, radius=one.radius, plane=0.0 if one.max_bend else None)
-        for one in robot.segments
-    ]
-    robot = sn.Robot(segments, mount=robot.mount, base=robot.base)
+    segments = [one.changed(plane=0.0 if one.max_bend else None) for one in robot.segments]
+    robot = robot.changed(segments=segments, tool=None)
     radius, (ahead, normal, aside) = max(robot.radii), robot.base[:3, [2, 1, 0]].T
     found = draw_flat_shape(robot, APART * radius, 0.0, rng)
     if found is None:
@@ -388,11 +386,6 @@ def _turn(rng: Generator) -> Floats:
     return np.linalg.qr(rng.normal(size=(3, 3)))[0]
 
 
-def _way(rng: Generator) -> Floats:
-    way = rng.normal(size=3)
-    return np.asarray(way / np.linalg.norm(way))
-
-
 def _places(curve: Curve, radius: float, count: int, rng: Generator) -> Floats:
     """Places (m, 3) evenly spread within some distance of the shape."""
     low, high = curve.points.min(axis=0) - AROUND * radius, curve.points.max(axis=0) + AROUND * radius
@@ -450,7 +443,7 @@ def _beside(robot: sn.Robot, curve: Curve, rng: Generator) -> sn.Sphere:
     size = unit * rng.uniform(LEAST_RADIUS, MOST_RADIUS)
     gap = unit * (LEAST_GAP + (MOST_GAP - LEAST_GAP) * rng.random() ** 3)
     place = curve.points[rng.integers(len(curve.points))]
-    return sn.Sphere(place + (size + unit + gap) * _way(rng), size)
+    return sn.Sphere(place + (size + unit + gap) * direction(rng), size)
 
 
 BLADE_GAP = (2.8, 3.6)

@@ -5,12 +5,11 @@ nowhere near themselves, so that a wall fits around them.
 """
 
 import math
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Container, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from scipy.spatial import cKDTree
 
 import sinuous as sn
 from benchmarks.judges.kinematics import arc_poses
@@ -80,12 +79,8 @@ def various_robot(seed: int, rng: Generator, stout: bool = False) -> sn.Robot:
     unit = UNITS[seed // 20 % 3]
     thickness, taper = (STOUT, 1.0) if stout else (SLENDER, rng.choice([1.0, TAPER]))
     radii = unit * rng.uniform(*thickness) * np.linspace(1.0, taper, len(plain))
-    segments = [
-        sn.Segment(one.length, one.max_bend, radius=radius) for one, radius in zip(plain.segments, radii, strict=True)
-    ]
-    return sn.Robot(
-        segments, mount=plain.mount, base=plain.base, tool=_tool(unit, rng) if rng.random() < 1 / 3 else None
-    )
+    segments = [one.changed(radius=radius) for one, radius in zip(plain.segments, radii, strict=True)]
+    return plain.changed(segments=segments, tool=_tool(unit, rng) if rng.random() < 1 / 3 else None)
 
 
 def stout_robot(seed: int, rng: Generator) -> sn.Robot:
@@ -153,6 +148,10 @@ class Curve(NamedTuple):
         """Unit tangents (m, 3)."""
         return self.poses[:, :3, 2]
 
+    def draw(self, share: tuple[float, float], rng: Generator) -> int:
+        """Draw the number of a frame that is within such a range of the whole."""
+        return round(rng.uniform(*share) * (len(self.poses) - 1))
+
     def before(self, k: int) -> Floats:
         """Points (k + 1, 3) from the base to frame k."""
         return self.points[: k + 1]
@@ -160,6 +159,10 @@ class Curve(NamedTuple):
     def after(self, k: int) -> Floats:
         """Points (m - k + 1, 3) from frame k to the tool."""
         return np.vstack([self.points[k:], self.end])
+
+    def keeps(self, apart: float) -> bool:
+        """Whether it keeps `apart` from itself; see `draw_shape`."""
+        return _keeps_apart(self.points, self.along, self.points, self.along, apart)
 
 
 def about_z(angle: float) -> Floats:
@@ -210,11 +213,6 @@ def draw_shape(
             return q
 
 
-def keeps_from_itself(curve: Curve, apart: float) -> bool:
-    """Whether a backbone keeps `apart` from itself; see `draw_shape`."""
-    return _keeps_apart(curve.points, curve.along, curve.points, curve.along, apart)
-
-
 def _grow(
     robot: sn.Robot,
     apart: float,
@@ -261,23 +259,6 @@ def _keeps_apart(points: Floats, along: Floats, others: Floats, reached: Floats,
     return bool(np.where(far, gaps, math.inf).min() > apart)
 
 
-def offshoots(way: Floats, draw: Callable[[], Floats], wanted: int, tries: int, outside: float) -> list[Floats]:
-    """Draw curves (k, 3) that leave a way (m, 3), until there are enough, with tubes of a radius around all.
-
-    They come near to each other, and to the way, only where they leave it.
-    """
-    found: list[Floats] = []
-    for _ in range(tries):
-        branch = draw()
-        gaps = np.asarray(cKDTree(np.concatenate([way, *found])).query(branch)[0])
-        gone = np.linalg.norm(branch - branch[0], axis=-1) > 3.2 * outside
-        if gone.any() and gaps[gone].min() > 2.1 * outside:
-            found.append(branch)
-        if len(found) == wanted:
-            break
-    return found
-
-
 FLAT_BENDS, TURNED, FLAT_DRAWS, FLAT_SAMPLES = (0.1, 0.8), 0.35, 40, 9
 """Of flat shapes: bends, of the largest; share of segments from which on they bend to the other side; shapes drawn for
 one; and frames of a segment."""
@@ -296,6 +277,6 @@ def draw_flat_shape(
         bends = most * rng.uniform(*share, len(robot)) * np.cumprod(np.sign(rng.random(len(robot)) - TURNED))
         q = np.stack([bends * math.cos(plane), bends * math.sin(plane), rng.uniform(low, high)], axis=-1)
         curve = curve_of(robot, q, FLAT_SAMPLES)
-        if keeps_from_itself(curve, apart):
+        if curve.keeps(apart):
             return q, curve
     return None

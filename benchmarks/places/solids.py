@@ -143,11 +143,11 @@ def tube(poses: Floats, radius: float, sides: int = 16, caps: int = 4) -> Surfac
 
     No face is nearer to the curve than `radius`, but for what the steps between frames cut off.
     """
-    outer = radius / math.cos(math.pi / sides)
+    circle, outer = outlines_of(sides)[0], radius / math.cos(math.pi / sides)
     lean = np.linspace(0.0, 0.5 * math.pi, caps + 1)[1:-1]
-    rings = [_ring(poses[0], outer * math.cos(a), -outer * math.sin(a), sides) for a in lean[::-1]]
-    rings += [_ring(pose, outer, 0.0, sides) for pose in poses]
-    rings += [_ring(poses[-1], outer * math.cos(a), outer * math.sin(a), sides) for a in lean]
+    rings = [_ring(poses[0], outer * math.cos(a) * circle, -outer * math.sin(a)) for a in lean[::-1]]
+    rings += [_ring(pose, outer * circle, 0.0) for pose in poses]
+    rings += [_ring(poses[-1], outer * math.cos(a) * circle, outer * math.sin(a)) for a in lean]
     ends = [poses[0, :3, 3] - outer * poses[0, :3, 2], poses[-1, :3, 3] + outer * poses[-1, :3, 2]]
     return loft(np.array(rings), np.array(ends))
 
@@ -174,20 +174,19 @@ def open_tube(
 
     It is open at both ends, or (`bottom`) only at the last one.
     """
-    widen = 1.0 / math.cos(math.pi / sides)
+    circle, widen = outlines_of(sides)[0], 1.0 / math.cos(math.pi / sides)
     radii = np.broadcast_to(outside, len(poses)), np.broadcast_to(inside, len(poses))
-    outer, inner = ([_ring(pose, widen * r, 0.0, sides) for pose, r in zip(poses, own, strict=True)] for own in radii)
+    outer, inner = ([_ring(pose, widen * r * circle, 0.0) for pose, r in zip(poses, own, strict=True)] for own in radii)
     if not bottom:
         return ring_loft(np.array([*outer, *inner[::-1]]))
     start, tangent, wall = poses[0, :3, 3], poses[0, :3, 2], float(radii[0][0] - radii[1][0])
-    behind = _ring(poses[0], float(radii[0][0]) * widen, -wall, sides)
+    behind = _ring(poses[0], float(radii[0][0]) * widen * circle, -wall)
     return loft(np.array([behind, *outer, *inner[::-1]]), np.array([start - wall * tangent, start]))
 
 
-def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
-    turn = 2.0 * math.pi * np.arange(sides) / sides
-    local = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(sides, ahead)], axis=-1)
-    ring: Floats = local @ pose[:3, :3].T + pose[:3, 3]
+def _ring(pose: Floats, outline: Floats, ahead: float) -> Floats:
+    """Points (s, 3) of an outline (s, 2) across the z axis of a pose, so far ahead."""
+    ring: Floats = np.column_stack([outline, np.full(len(outline), ahead)]) @ pose[:3, :3].T + pose[:3, 3]
     return ring
 
 
@@ -196,8 +195,7 @@ def layered(pose: Floats, outlines: Sequence[tuple[Floats, float]], poles: Seque
 
     The last is followed by the first, or both are closed by a fan to one of two poles (3,).
     """
-    rings = np.stack([np.column_stack([outline, np.full(len(outline), height)]) for outline, height in outlines])
-    rings = rings @ pose[:3, :3].T + pose[:3, 3]
+    rings = np.stack([_ring(pose, outline, height) for outline, height in outlines])
     return loft(rings, np.array(poles) @ pose[:3, :3].T + pose[:3, 3]) if len(poles) else ring_loft(rings)
 
 

@@ -1,6 +1,7 @@
 """What a body is led through: pipes, corridors between cells, bores, ducts, branching and tapering tubes."""
 
 import math
+from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 
@@ -10,18 +11,7 @@ from scipy.spatial import cKDTree
 
 from benchmarks.places import solids
 from benchmarks.places.cells import FLIP, SAMPLES, cell_between, channel, in_frame
-from benchmarks.places.parts import (
-    WALL,
-    Curve,
-    about_z,
-    arc,
-    curve_of,
-    draw_flat_shape,
-    draw_shape,
-    keeps_from_itself,
-    lengthened,
-    offshoots,
-)
+from benchmarks.places.parts import WALL, Curve, about_z, arc, curve_of, draw_flat_shape, draw_shape, lengthened
 from benchmarks.places.place import Sketch, sketch_of
 from sinuous.base.checks import Floats
 from sinuous.model.robot import Robot
@@ -43,15 +33,15 @@ STRAIGHT, CLOSED = 0.35, 0.3
 REACH = (0.3, 0.75)
 """Of a shape, how much a bent pipe that begins at the base encloses."""
 
-GUIDE = (1.1, 1.35)
-"""Inner radius of a guide tube, in radii of the body."""
+BETWEEN, GUIDE, CHANNEL = 1.6, (1.1, 1.35), 1.5
+"""Inner radius of a pipe between base and target, of a guide tube; half the side of a channel. In radii of the body."""
 
 
 def open_pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Put the base into one mouth of a pipe of `width` times the radius of the body, bent or straight."""
     straight = _first(robot, rng) if rng.random() < STRAIGHT else 0
     q, curve = tube_shape(robot, width, rng, range(straight))
-    end = straight * RINGS if straight else round(rng.uniform(*REACH) * (len(curve.poses) - 1))
+    end = straight * RINGS if straight else curve.draw(REACH, rng)
     return _piped(robot, q, curve.poses[: end + 1], width, rng)
 
 
@@ -62,27 +52,26 @@ def guide_tube(robot: Robot, rng: Generator) -> Sketch:
     return _piped(robot, q, curve.poses[: straight * RINGS + 1], width, rng)
 
 
-def pipe_between(width: float, robot: Robot, rng: Generator) -> Sketch:
+def pipe_between(robot: Robot, rng: Generator) -> Sketch:
     """Put a pipe, bent or straight, around the middle of the shape: base and target are outside."""
     n = len(robot)
     first = int(rng.integers(1, n - 1))
     straight = range(first, first + 1 + (n - first) // 3) if rng.random() < STRAIGHT else range(0)
-    q, curve = tube_shape(robot, width, rng, straight)
-    last = len(curve.poses) - 1
-    begin, end = straight.start * RINGS, min(straight.stop * RINGS, last)
+    q, curve = tube_shape(robot, BETWEEN, rng, straight)
+    begin, end = straight.start * RINGS, min(straight.stop * RINGS, len(curve.poses) - 1)
     if not straight:
-        begin, end = (round(share * last) for share in (rng.uniform(0.15, 0.4), rng.uniform(0.6, 0.85)))
-    return sketch_of(robot, [walled(curve.poses[begin : end + 1], width, max(robot.radii), "pipe")], q, rng)
+        begin, end = curve.draw((0.15, 0.4), rng), curve.draw((0.6, 0.85), rng)
+    return sketch_of(robot, [walled(curve.poses[begin : end + 1], BETWEEN, max(robot.radii), "pipe")], q, rng)
 
 
-def open_channel(width: float, robot: Robot, rng: Generator) -> Sketch:
+def open_channel(robot: Robot, rng: Generator) -> Sketch:
     """Put the base into a straight channel of four boxes."""
     straight = _first(robot, rng)
-    q, curve = tube_shape(robot, math.sqrt(2.0) * width, rng, range(straight))
+    q, curve = tube_shape(robot, math.sqrt(2.0) * CHANNEL, rng, range(straight))
     poses = backwards(curve.poses[: straight * RINGS + 1], max(robot.radii), rng)
     length = float(np.linalg.norm(poses[-1, :3, 3] - poses[0, :3, 3]))
     radius = max(robot.radii)
-    return sketch_of(robot, channel(poses[0], width * radius, length, WALL * radius), q, rng)
+    return sketch_of(robot, channel(poses[0], CHANNEL * radius, length, WALL * radius), q, rng)
 
 
 def _first(robot: Robot, rng: Generator) -> int:
@@ -133,7 +122,7 @@ def between_cells(straight: bool, robot: Robot, rng: Generator) -> Sketch | None
     curve, door = curve_of(robot, q, SAMPLES), np.full(2, width * radius)
     begin, end = held.start * SAMPLES, held.stop * SAMPLES
     if not straight:
-        begin, end = (round(share * (len(curve.poses) - 1)) for share in (rng.uniform(0.2, 0.4), rng.uniform(0.5, 0.8)))
+        begin, end = curve.draw((0.2, 0.4), rng), curve.draw((0.5, 0.8), rng)
     at_base = cell_between(curve.before(begin), curve.after(begin), curve.poses[begin], door, radius, rng)
     at_target = cell_between(curve.after(end), curve.before(end), curve.poses[end] @ FLIP, door, radius, rng)
     if at_base is None or at_target is None:
@@ -165,8 +154,7 @@ def two_tubes(robot: Robot, rng: Generator) -> Sketch:
     """Put the base into one tube and the target into another, with the open between."""
     radius, (near, far) = max(robot.radii), rng.uniform(*TUBE_WIDTH, 2)
     q, curve = tube_shape(robot, max(near, far), rng)
-    last = len(curve.poses) - 1
-    begin, end = round(rng.uniform(*GAP_BEGINS) * last), round(rng.uniform(*GAP_ENDS) * last)
+    begin, end = curve.draw(GAP_BEGINS, rng), curve.draw(GAP_ENDS, rng)
     first = walled(backwards(curve.poses[: begin + 1], radius, rng), near, radius, "base tube")
     within = past(robot, q, curve.poses[end:], rng)
     other = around_target(within, far * radius, radius, rng)
@@ -177,7 +165,7 @@ def funnel(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the target into a tube, open at both ends, whose mouth widens; the base is before it."""
     radius, width, widened = max(robot.radii), rng.uniform(*TUBE_WIDTH), rng.uniform(*WIDENED)
     q, curve = tube_shape(robot, width * widened, rng)
-    begin = round(rng.uniform(*FUNNEL_BEGINS) * (len(curve.poses) - 1))
+    begin = curve.draw(FUNNEL_BEGINS, rng)
     poses = past(robot, q, curve.poses[begin:], rng)
     share = np.linspace(0.0, 1.0, len(poses))
     inside = width * radius * (1.0 + (widened - 1.0) * np.clip(1.0 - share / CONE, 0.0, 1.0))
@@ -265,6 +253,23 @@ def branches(robot: Robot, rng: Generator) -> Sketch | None:
     return sketch_of(robot, [surface.mesh("pipe")], q, rng)
 
 
+def offshoots(way: Floats, draw: Callable[[], Floats], wanted: int, tries: int, outside: float) -> list[Floats]:
+    """Draw curves (k, 3) that leave a way (m, 3), until there are enough, with tubes of a radius around all.
+
+    They come near to each other, and to the way, only where they leave it.
+    """
+    found: list[Floats] = []
+    for _ in range(tries):
+        branch = draw()
+        gaps = np.asarray(cKDTree(np.concatenate([way, *found])).query(branch)[0])
+        gone = np.linalg.norm(branch - branch[0], axis=-1) > 3.2 * outside
+        if gone.any() and gaps[gone].min() > 2.1 * outside:
+            found.append(branch)
+        if len(found) == wanted:
+            break
+    return found
+
+
 def lumen(axes: Floats, outer: Floats, hollow: Floats, inner: Floats, cell: float) -> solids.Surface:
     """Return the wall within radii (m,) of points (m, 3) that leaves radii (k,) of points (k, 3) hollow."""
     walls, hollows = cKDTree(axes), cKDTree(hollow)
@@ -306,8 +311,8 @@ def box_duct(robot: Robot, rng: Generator) -> Sketch | None:
     if found is None:
         return None
     q, curve = found
-    last, at_base = len(curve.poses) - 1, rng.random() < DUCT_WITHIN
-    begin, end = 0 if at_base else round(rng.uniform(*BEGINS) * last), round(rng.uniform(*ENDS) * last)
+    at_base = rng.random() < DUCT_WITHIN
+    begin, end = 0 if at_base else curve.draw(BEGINS, rng), curve.draw(ENDS, rng)
     poses = curve.poses[begin : end + 1 : EVERY] @ about_z(plane)
     if at_base:
         poses = backwards(poses, radius, rng)
@@ -369,9 +374,9 @@ def helix(robot: Robot, rng: Generator) -> Sketch | None:
     radius, width = max(robot.radii), rng.uniform(*VESSEL_WIDTH)
     q = _coil(robot, rng)
     curve = curve_of(robot, q, _samples(robot))
-    if not keeps_from_itself(curve, 2.1 * (width + WALL) * radius):
+    if not curve.keeps(2.1 * (width + WALL) * radius):
         return None
-    poses = _vessel_piped(curve.poses, radius, rng)
+    poses = _vessel_piped(curve, radius, rng)
     return sketch_of(robot, [walled(poses, width, radius, "helix")], q, rng)
 
 
@@ -380,7 +385,7 @@ def stenosis(robot: Robot, rng: Generator) -> Sketch:
     radius = max(robot.radii)
     wide = rng.uniform(*CHAMBER)
     q = draw_shape(robot, 2.1 * (wide + WALL) * radius, rng)
-    poses = _vessel_piped(curve_of(robot, q, _samples(robot)).poses, radius, rng)
+    poses = _vessel_piped(curve_of(robot, q, _samples(robot)), radius, rng)
     share, count = np.linspace(0.0, 1.0, len(poses)), int(rng.integers(THROATS[0], THROATS[1] + 1))
     inside = np.full(len(poses), wide)
     for center in (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count:
@@ -426,13 +431,12 @@ def _coil(robot: Robot, rng: Generator) -> Floats:
     return np.array(rows)
 
 
-def _vessel_piped(poses: Floats, radius: float, rng: Generator) -> Floats:
+def _vessel_piped(curve: Curve, radius: float, rng: Generator) -> Floats:
     """The frames (m, 4, 4) of a pipe around a shape: from its mouth, at the base or ahead of it, to where it ends."""
-    last = len(poses) - 1
-    end = round(rng.uniform(*BEYOND) * last) + 1
+    end = curve.draw(BEYOND, rng) + 1
     if rng.random() < VESSEL_WITHIN:
-        return backwards(poses[:end], radius, rng)
-    return poses[max(1, round(rng.uniform(*BEFORE) * last)) : end]
+        return backwards(curve.poses[:end], radius, rng)
+    return curve.poses[max(1, curve.draw(BEFORE, rng)) : end]
 
 
 def pipe(width: float, robot: Robot, rng: Generator) -> Sketch:

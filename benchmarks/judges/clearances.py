@@ -7,7 +7,6 @@ kind.
 
 import math
 from functools import cache, lru_cache, partial, singledispatch
-from typing import NamedTuple
 
 import igl
 import numpy as np
@@ -15,13 +14,11 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from benchmarks.judges.kinematics import arc_ends, body_places, segment_ends
+from benchmarks.judges.kinematics import Backbones, Indices, body_places
 from benchmarks.judges.primitives import Distance, distances_to
 from benchmarks.judges.self_collision import places_of
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle, Primitive
-
-Indices = NDArray[np.intp]
 
 MOST_PLACES = 5_000
 """Places that are looked at in one go."""
@@ -71,9 +68,9 @@ class Clearances:
 
     def _least(self, q: Floats, enough: float) -> Floats:
         m, n = q.shape[:2]
-        frames = _Frames.of(self._robot, q)
+        body = Backbones.of(self._robot, q)
         shape, segment, at = (which.ravel() for which in np.indices((m, n, COARSE + 1)))
-        gaps = self._gaps(frames, shape, segment, at / COARSE).reshape(m, n, COARSE + 1)
+        gaps = self._gaps(body, shape, segment, at / COARSE).reshape(m, n, COARSE + 1)
         least = np.asarray(gaps.min(axis=(1, 2)))
         shape, segment, at = (which.ravel() for which in np.indices((m, n, COARSE)))
         before, after = gaps[..., :-1].ravel(), gaps[..., 1:].ravel()
@@ -84,19 +81,16 @@ class Clearances:
             if count == FINEST or not going.any():
                 return least
             shape, segment, at, before, after = (each[going] for each in (shape, segment, at, before, after))
-            middle = self._gaps(frames, shape, segment, (at + 0.5) / count)
+            middle = self._gaps(body, shape, segment, (at + 0.5) / count)
             np.minimum.at(least, shape, middle)
             shape, segment, at, count = np.repeat(shape, 2), np.repeat(segment, 2), np.repeat(2 * at, 2), 2 * count
             at[1::2] += 1
             before, after = np.stack([before, middle], axis=1).ravel(), np.stack([middle, after], axis=1).ravel()
 
-    def _gaps(self, frames: "_Frames", shape: Indices, segment: Indices, fractions: Floats) -> Floats:
+    def _gaps(self, body: Backbones, shape: Indices, segment: Indices, fractions: Floats) -> Floats:
         """Clearance (k,) of places, by configuration and segment; infinite in the mount, which nothing concerns."""
-        parts = frames.q[shape, segment] * fractions[:, None]
-        local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
-        starts = frames.starts[shape, segment]
-        points = np.einsum("kij,kj->ki", starts[:, :3, :3], local) + starts[:, :3, 3]
-        exposed = np.flatnonzero(frames.before[shape, segment] + parts[:, 2] >= self._robot.mount)
+        points, along = body.places(shape, segment, fractions), body.q[shape, segment, 2] * fractions
+        exposed = np.flatnonzero(body.before[shape, segment] + along >= self._robot.mount)
         gaps = np.full(len(points), math.inf)
         radii = np.array(self._robot.radii)[segment]
         for i in range(0, len(exposed), MOST_PLACES):
@@ -104,18 +98,6 @@ class Clearances:
             for measured in self._measures:
                 gaps[some] = np.minimum(gaps[some], measured(points[some]) - radii[some])
         return gaps
-
-
-class _Frames(NamedTuple):
-    """Configurations (m, n, 3), poses (m, n + 1, 4, 4) of where segments begin, and how far along (m, n) that is."""
-
-    q: Floats
-    starts: Floats
-    before: Floats
-
-    @classmethod
-    def of(cls, robot: sn.Robot, q: Floats) -> "_Frames":
-        return cls(q, segment_ends(robot, q), np.cumsum(q[..., 2], axis=1) - q[..., 2])
 
 
 def _lowest(before: Floats, after: Floats, lengths: Floats) -> Floats:
@@ -149,11 +131,6 @@ def distances_among(scene: sn.Scene, size: float = math.inf) -> list[Distance]:
 def distance_of(obstacle: Obstacle) -> Distance:
     """Prepare the distance to one obstacle."""
     raise NotImplementedError(f"the judge does not know {type(obstacle).__name__}")
-
-
-@distance_of.register
-def _primitive(obstacle: Primitive) -> Distance:
-    return distances_to([obstacle])[0]
 
 
 @distance_of.register

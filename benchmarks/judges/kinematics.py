@@ -3,13 +3,18 @@
 And bodies as thick as a robot demands: what has to be free of obstacles, and what of the body itself.
 """
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sinuous.base.arguments import OneEach
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed, Joint, Prismatic
 from sinuous.model.robot import Robot
+
+Indices = NDArray[np.signedinteger]
 
 Bodies = list[tuple[int, Floats, float]]
 """Of capsules and segments the number of their link (0: the base), places (m, k, 3) along them, and their radius. The
@@ -73,6 +78,41 @@ def segment_ends(robot: Robot, q: Floats) -> Floats:
     for k in range(arcs.shape[1]):
         poses[:, k + 1] = poses[:, k] @ steps[:, k]
     return poses
+
+
+class Backbones(NamedTuple):
+    """Segments of m configurations, which places and tangents on them are asked of.
+
+    Attributes
+    ----------
+    q : ndarray (m, n, 3)
+    starts : ndarray (m, n + 1, 4, 4)
+        Poses of where they begin.
+    before : ndarray (m, n)
+        How far along the backbone that is.
+    """
+
+    q: Floats
+    starts: Floats
+    before: Floats
+
+    @classmethod
+    def of(cls, robot: Robot, q: Floats) -> "Backbones":
+        """Prepare configurations (m, n, 3) of a robot without joints."""
+        return cls(q, segment_ends(robot, q), np.cumsum(q[..., 2], axis=1) - q[..., 2])
+
+    def places(self, shape: Indices, segment: Indices, fraction: Floats) -> Floats:
+        """Points (k, 3), by configuration, segment, and share of that."""
+        parts, start = self.q[shape, segment] * fraction[:, None], self.starts[shape, segment]
+        local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
+        return np.asarray(np.einsum("kij,kj->ki", start[:, :3, :3], local) + start[:, :3, 3])
+
+    def tangents(self, shape: Indices, segment: Indices, fraction: Floats) -> Floats:
+        """Unit tangents (k, 3) there."""
+        bends = self.q[shape, segment, :2] * fraction[:, None]
+        angle = np.hypot(bends[:, 0], bends[:, 1])
+        local = np.concatenate([bends * np.sinc(angle / np.pi)[:, None], np.cos(angle)[:, None]], axis=-1)
+        return np.asarray(np.einsum("kij,kj->ki", self.starts[shape, segment, :3, :3], local))
 
 
 def body_places(robot: Robot, q: Floats, places: int) -> Bodies:

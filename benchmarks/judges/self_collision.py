@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.judges.kinematics import arc_ends, arm_of, body_places, moving, segment_ends
+from benchmarks.judges.kinematics import Backbones, Indices, arm_of, body_places, moving
 from sinuous.base.checks import Floats
 from sinuous.model.joints import Fixed
 from sinuous.model.robot import Robot
 
-Indices = NDArray[np.signedinteger]
 Flags = NDArray[np.bool_]
 
 FINEST = 0.05
@@ -87,8 +86,7 @@ def look(robot: Robot, q: Floats, below: float = math.inf) -> Seen:
     if robot.joints:
         return Seen(_least_of_links(robot, q, below), np.zeros(len(q), bool))
     found = Seen(np.full(len(q), math.inf), np.zeros(len(q), bool))
-    radii, starts = np.array(robot.radii), segment_ends(robot, q)[:, :-1]
-    before = np.cumsum(q[..., 2], axis=1) - q[..., 2]
+    radii, body = np.array(robot.radii), Backbones.of(robot, q)
     bends = np.hypot(q[..., 0], q[..., 1])
     turned = np.cumsum(bends, axis=1) - bends
     runs = np.concatenate([[0], np.cumsum(np.diff(radii) != 0.0)])
@@ -101,16 +99,16 @@ def look(robot: Robot, q: Floats, below: float = math.inf) -> Seen:
     for _ in range(MOST_HALVINGS):
         shape, first, second, a, b = arcs
         l_a, l_b = q[shape, first, 2], q[shape, second, 2]
-        along = np.abs(before[shape, second] + b * l_b - before[shape, first] - a * l_a)
+        along = np.abs(body.before[shape, second] + b * l_b - body.before[shape, first] - a * l_a)
         loose = 0.5 * part * (l_a + l_b)
-        across = _places(q, starts, shape, second, b) - _places(q, starts, shape, first, a)
+        across = body.places(shape, second, b) - body.places(shape, first, a)
         apart = np.linalg.norm(across, axis=-1)
         gap = apart - radii[first] - radii[second]
         counted = math.pi * np.maximum(radii[first], radii[second])
         stepped = runs[first] != runs[second]
         ahead = np.minimum(
-            (across * _tangents(q, starts, shape, first, a)).sum(axis=-1),
-            (across * _tangents(q, starts, shape, second, b)).sum(axis=-1),
+            (across * body.tangents(shape, first, a)).sum(axis=-1),
+            (across * body.tangents(shape, second, b)).sum(axis=-1),
         )
         u_a, u_b = bends[shape, first], bends[shape, second]
         turn = turned[shape, second] + b * u_b - turned[shape, first] - a * u_a
@@ -146,22 +144,6 @@ def surely_clear(robot: Robot, q: Floats) -> Flags:
     """Say of configurations (m, n, 3) whether it is certain that no pair of places is too near; false also in doubt."""
     seen = look(robot, q, 0.0)
     return np.asarray((seen.least > 0.0) & ~seen.doubtful)
-
-
-def _places(q: Floats, starts: Floats, shape: Indices, segment: Indices, fraction: Floats) -> Floats:
-    """Points (p, 3) of the backbone."""
-    parts = q[shape, segment] * fraction[:, None]
-    local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
-    start = starts[shape, segment]
-    return np.asarray(np.einsum("pij,pj->pi", start[:, :3, :3], local) + start[:, :3, 3])
-
-
-def _tangents(q: Floats, starts: Floats, shape: Indices, segment: Indices, fraction: Floats) -> Floats:
-    """Unit tangents (p, 3) of the backbone."""
-    bends = q[shape, segment, :2] * fraction[:, None]
-    angle = np.hypot(bends[:, 0], bends[:, 1])
-    local = np.concatenate([bends * np.sinc(angle / math.pi)[:, None], np.cos(angle)[:, None]], axis=-1)
-    return np.asarray(np.einsum("pij,pj->pi", starts[shape, segment, :3, :3], local))
 
 
 def places_of(q: Floats) -> int:

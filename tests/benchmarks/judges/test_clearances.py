@@ -9,7 +9,7 @@ import trimesh
 
 import sinuous as sn
 from benchmarks.judges import clearances
-from benchmarks.judges.clearances import Clearances, distance_of, least_clearance, overlaps
+from benchmarks.judges.clearances import Clearances, distance_of, distances_among, least_clearance, overlaps
 from benchmarks.judges.kinematics import body_points
 from sinuous.scene.obstacles import Obstacle
 from tests.scene.shapes import together
@@ -60,7 +60,7 @@ def test_skipping_what_cannot_matter_changes_nothing(seed: int) -> None:
         [sn.Box(rng.normal(size=3), (0.3, 0.4, 0.5)), *(sn.Sphere(3 * rng.normal(size=3), 0.3) for _ in range(5))]
     )
     points, along = body_points(robot, q, clearances.FINEST)
-    gaps = np.min([distance_of(o)(points.reshape(-1, 3)) for o in scene.obstacles], axis=0).reshape(along.shape) - 0.1
+    gaps = np.min([own(points.reshape(-1, 3)) for own in distances_among(scene)], axis=0).reshape(along.shape) - 0.1
     dense = np.where(along >= robot.mount, gaps, math.inf).min(axis=(1, 2))
     judged = Clearances(robot, scene)
     np.testing.assert_allclose(judged.least(q), dense, atol=1e-12)

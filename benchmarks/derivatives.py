@@ -5,7 +5,7 @@ are solved again, from the answer, after the parameters have moved a little both
 many answers are regular. Costs are those beyond the solve: by the target, and by everything.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import islice
 from time import thread_time
@@ -146,17 +146,11 @@ def at_actuators(rng: Generator) -> sn.Solution:
     return solved_near(robot.changed(segments=segments), q, rng)
 
 
-OBSTACLES: dict[str, tuple[float, float, float]] = {
-    "sphere": (1.0, 1.0, 1.0),
-    "inside": (1.0, 20.0, 1.0),
-    "box": (1.0, 1.0, 1.0),
-    "edge": (1.0, 1.0, 1.0),
-    "cylinder": (3.0, 1.0, 1.0),
-    "capsule": (1.0, 1.0, 1.0),
-    "half_space": (1.0, 1.0, 1.0),
-    "mesh": (1.0, 1.0, 1.0),
-}
-"""Sizes of what may be touched, see `beside`: a box at a face, or at an edge, and others beside their axes."""
+OBSTACLES = ("sphere", "inside", "box", "edge", "cylinder", "capsule", "half_space", "mesh")
+"""What may be touched, see `beside`: a box at a face, or at an edge, and others beside their axes."""
+
+SIZES = {"inside": (1.0, 20.0, 1.0), "cylinder": (3.0, 1.0, 1.0)}
+"""Their sizes, where these are not equal along all axes."""
 
 
 def touching(kind: str, rng: Generator, apart: float = 0.0) -> Question:
@@ -172,7 +166,7 @@ def touching(kind: str, rng: Generator, apart: float = 0.0) -> Question:
     here = robot.forward(part)[k]
     normal = unit(rng, here[:3, 2])
     away = robot.radii[k] + (MARGIN + apart) * robot.mean_length
-    size = 2.0 * float(rng.uniform(0.1, 0.4)) * q[k, 2] * np.array(OBSTACLES[kind])
+    size = 2.0 * float(rng.uniform(0.1, 0.4)) * q[k, 2] * np.array(SIZES.get(kind, (1.0, 1.0, 1.0)))
     turn = least_rotation(normal) @ about_z(rng.uniform(0.0, 2.0 * np.pi))[:3, :3]
     if kind == "edge":
         turn = turn @ Rotation.from_euler("x", rng.uniform(0.6, 0.9)).as_matrix()
@@ -182,12 +176,12 @@ def touching(kind: str, rng: Generator, apart: float = 0.0) -> Question:
 
 def beside_obstacles(rng: Generator) -> sn.Solution:
     """The body is near obstacles of any kind, and touches none."""
-    return answer(touching(str(rng.choice(list(OBSTACLES))), rng, apart=float(10.0 ** rng.uniform(-4.0, -1.0))))
+    return answer(touching(str(rng.choice(OBSTACLES)), rng, apart=float(10.0 ** rng.uniform(-4.0, -1.0))))
 
 
 def at_obstacles(rng: Generator) -> sn.Solution:
     """The body touches an obstacle of any kind, unless the solve moves it away from there."""
-    return answer(touching(str(rng.choice(list(OBSTACLES))), rng))
+    return answer(touching(str(rng.choice(OBSTACLES)), rng))
 
 
 def curled(rng: Generator) -> sn.Solution:
@@ -263,25 +257,30 @@ neighbourhood in which the answer is smooth, a small one drowns in rounding."""
 
 def random_tangent(found: sn.Solution, rng: Generator) -> Tangent:
     """Let all parameters move at once: by rad, and by mean lengths of the robot."""
+    return tangent(found, lambda *size: rng.normal(size=size))
+
+
+def tangent(found: sn.Solution, draw: Callable[..., Floats]) -> Tangent:
+    """Return the motion of all parameters whose numbers, rad and mean lengths of the robot, are drawn."""
     robot, problem = found.problem.robot, found.problem
     size, n = robot.mean_length, len(robot)
     twist = np.array([1.0, 1.0, 1.0, size, size, size])
     target = []
     for each in problem.targets:
         turns = each.direction is not None or each.rotation is not None
-        target += [scale * rng.normal(size=3) for scale in [size] * (each.position is not None) + [1.0] * turns]
+        target += [scale * draw(3) for scale in [size] * (each.position is not None) + [1.0] * turns]
     return {
         "target": np.concatenate(target),
-        "base": twist * rng.normal(size=6),
-        "tool": twist * rng.normal(size=6),
-        "lengths": size * rng.normal(size=n),
-        "bends": rng.normal(size=n),
-        "curvatures": rng.normal(size=n) / size,
-        "radii": np.array(robot.radii) * rng.normal(size=n),
-        "tendons": size * rng.normal(size=len(circles_of(robot))),
-        "actuators": _of_circles(robot, size * rng.normal(size=(n, 3, 2))),
-        "obstacles": np.tile(twist, len(problem.scene)) * rng.normal(size=6 * len(problem.scene)),
-        "initial": np.tile([1.0, 1.0, size], n) * rng.normal(size=3 * n) * (robot.limits[:, [5, 5, 6]].ravel() > 0.0),
+        "base": twist * draw(6),
+        "tool": twist * draw(6),
+        "lengths": size * draw(n),
+        "bends": draw(n),
+        "curvatures": draw(n) / size,
+        "radii": np.array(robot.radii) * draw(n),
+        "tendons": size * draw(len(circles_of(robot))),
+        "actuators": _of_circles(robot, size * draw(n, 3, 2)),
+        "obstacles": np.tile(twist, len(problem.scene)) * draw(6 * len(problem.scene)),
+        "initial": np.tile([1.0, 1.0, size], n) * draw(3 * n) * (robot.limits[:, [5, 5, 6]].ravel() > 0.0),
     }
 
 
@@ -309,8 +308,8 @@ def _moved(obstacle: Obstacle, twist: Floats) -> Obstacle:
 
 
 def _segment(robot: sn.Robot, k: int, way: Tangent, h: float) -> sn.Segment:
-    own, names = robot.segments[k], ("lengths", "bends", "curvatures", "radii")
-    longer, bend, curvature, thicker = (h * float(way[name][k]) if name in way else 0.0 for name in names)
+    own, ways = robot.segments[k], (way["lengths"], way["bends"], way["curvatures"], way["radii"])
+    longer, bend, curvature, thicker = (h * float(each[k]) for each in ways)
     low, high = own.length
     length = low + longer if low == high else (low + longer, high + longer)
     changed = own.changed(length=length, max_bend=own.max_bend + bend, radius=own.radius + thicker)
@@ -320,13 +319,12 @@ def _segment(robot: sn.Robot, k: int, way: Tangent, h: float) -> sn.Segment:
     for kind, lines in (("tendons", own.tendons), ("chambers", own.chambers)):
         if lines is None:
             continue
-        if "tendons" in way:
-            number = [(kind, k) == each[:2] for each in circles_of(robot)].index(True)
-            lines = lines.changed(radius=lines.radius + h * way["tendons"][number])  # noqa: PLW2901
+        number = [(kind, k) == each[:2] for each in circles_of(robot)].index(True)
+        lines = lines.changed(radius=lines.radius + h * way["tendons"][number])  # noqa: PLW2901
         mine = [i for i, each in enumerate(robot.actuators) if each.segment == k + 1 and f"{each.kind}s" == kind]
         key = "displacement" if kind == "tendons" else "length"
         limits = np.asarray(getattr(lines, key))
-        if "actuators" in way and np.isfinite(limits).all():
+        if np.isfinite(limits).all():
             lines = lines.changed(**{key: tuple(limits + h * way["actuators"][2 * mine[0] : 2 * mine[0] + 2])})  # noqa: PLW2901
         own_kind: Any = {kind: lines}
         changed = changed.changed(**own_kind)
@@ -334,8 +332,6 @@ def _segment(robot: sn.Robot, k: int, way: Tangent, h: float) -> sn.Segment:
 
 
 def _targets(found: sn.Solution, way: Tangent, h: float) -> list[sn.Target]:
-    if "target" not in way:
-        return list(found.problem.targets)
     listed, at = [], 0
     for own in found.problem.targets:
         position, axis, matrix = own.position, own.direction, own.rotation
@@ -349,21 +345,15 @@ def _targets(found: sn.Solution, way: Tangent, h: float) -> list[sn.Target]:
 
 
 def question(found: sn.Solution, way: Tangent, h: float) -> Question:
-    """Return what was asked, after the parameters have moved by `h` times a tangent."""
+    """Return what was asked, after the parameters have moved by `h` times a tangent; those that it lacks stay."""
+    way = tangent(found, lambda *size: np.zeros(size)) | way
     robot, scene = found.problem.robot, list(found.problem.scene.obstacles)
-    changed = robot.changed(segments=[_segment(robot, k, way, h) for k in range(len(robot))])
-    if "base" in way:
-        changed = changed.changed(base=_shifted(robot.base, h * way["base"]))
-    if "tool" in way:
-        changed = changed.changed(tool=_shifted(robot.tool, h * way["tool"]))
-    if "obstacles" in way:
-        scene = [_moved(each, h * way["obstacles"][6 * i : 6 * i + 6]) for i, each in enumerate(scene)]
-    q = found.q.copy()
-    fixed = robot.limits[:, LENGTH_SCALE] == 0.0
-    if "lengths" in way:
-        q[fixed, 2] += h * way["lengths"][fixed]
-    if "initial" in way:
-        q += h * way["initial"].reshape(-1, 3)
+    base, tool = _shifted(robot.base, h * way["base"]), _shifted(robot.tool, h * way["tool"])
+    segments = [_segment(robot, k, way, h) for k in range(len(robot))]
+    changed = robot.changed(segments=segments, base=base, tool=tool)
+    scene = [_moved(each, h * way["obstacles"][6 * i : 6 * i + 6]) for i, each in enumerate(scene)]
+    q, fixed = found.q + h * way["initial"].reshape(-1, 3), robot.limits[:, LENGTH_SCALE] == 0.0
+    q[fixed, 2] += h * way["lengths"][fixed]
     return sn.Problem(changed, _targets(found, way, h), scene, found.problem.tolerance), q
 
 
@@ -377,7 +367,10 @@ def again(found: sn.Solution, way: Tangent, h: float) -> Floats | None:
 
 
 def minimum_again(found: sn.Solution, way: Tangent, h: float) -> Floats | None:
-    """Find the minimum of what is preferred after the parameters have moved, from where it was."""
+    """Find the minimum of what is preferred after the parameters have moved, from where it was.
+
+    Near straight shapes minima curve: they are compared by two steps.
+    """
     wish, near = found._wish(), found.derivative().configuration
     if wish is None or wish.reference is None:
         return None
@@ -407,36 +400,36 @@ def least_gaps(problem: sn.Problem, q: Floats) -> Floats:
     return np.asarray(table.min(axis=(1, 2)))
 
 
-def agreement(found: sn.Solution, motion: Floats, way: Tangent, one_sided: bool = False) -> float:
-    """Compare a derivative (n, 3) along a tangent with central differences, or with those to one side."""
-
-    def difference(h: float) -> Floats | None:
-        before = found.q if one_sided else again(found, way, -h)
-        after = None if before is None else again(found, way, h)
-        return None if after is None or before is None else (after - before) / (h if one_sided else 2.0 * h)
-
-    return _best(found, motion, difference)
+SIDES, TWO_STEPS = {1.0: 0.5, -1.0: -0.5}, {0.5: 4.0 / 3.0, -0.5: -4.0 / 3.0, 1.0: -1.0 / 6.0, -1.0: 1.0 / 6.0}
+"""Weights of differences at shares of a step: central ones, and those of two steps, for what curves."""
 
 
-def agreement_of_minima(found: sn.Solution, motion: Floats, way: Tangent) -> float:
-    """Compare it with differences of minima of what is preferred: near straight shapes they curve, so two steps."""
-
-    def difference(h: float) -> Floats | None:
-        ends = [minimum_again(found, way, size) for size in (h, -h, 0.5 * h, -0.5 * h)]
-        far, near, less, more = ends
-        if far is None or near is None or less is None or more is None:
-            return None
-        return (8.0 * (less - more) - (far - near)) / (6.0 * h)
-
-    return _best(found, motion, difference)
+def difference(at: Callable[[float], Floats | None], h: float, weights: Mapping[float, float]) -> Floats:
+    """Return the difference of what is found at shares of a step, over the step; NaN where nothing is found at one."""
+    total = np.zeros(())
+    for share, weight in weights.items():
+        there = at(share * h)
+        if there is None:
+            return np.full((), np.nan)
+        total = total + weight * there
+    return total / h
 
 
-def _best(found: sn.Solution, motion: Floats, difference: Callable[[float], Floats | None]) -> float:
-    """Least difference between a derivative and differences, relative to the larger; infinite where none was found."""
+Again = Callable[[sn.Solution, Tangent, float], Floats | None]
+"""From an answer, a tangent and a step along it to what is found there; nothing where that fails."""
+
+
+def agreement(
+    found: sn.Solution, motion: Floats, way: Tangent, weights: Mapping[float, float] = SIDES, at: Again = again
+) -> float:
+    """Compare a derivative (n, 3) along a tangent with differences, by default central ones of answers.
+
+    Returns the least difference, relative to the larger; infinite where none was found.
+    """
     scale, best = np.array([1.0, 1.0, found.problem.robot.mean_length]), np.inf
     for h in SHARES:
-        change = difference(h)
-        if change is None:
+        change = difference(partial(at, found, way), h, weights)
+        if np.isnan(change).any():
             continue
         size = max(float(np.linalg.norm(change / scale)), float(np.linalg.norm(motion / scale)), 1e-3)
         best = min(best, float(np.linalg.norm((change - motion) / scale)) / size)
@@ -507,15 +500,12 @@ def _clearances(rng: Generator) -> Iterator[float | None]:
         if not derivative.regular or not np.isfinite(change):
             yield None
             continue
-        error, size = np.inf, found.problem.robot.mean_length
-        for h in SHARES:
-            ends = [_gap_at(found, way, sign * h, motion) for sign in (1.0, -1.0)]
-            error = min(error, abs((ends[0] - ends[1]) / (2.0 * h) - change) / max(abs(change), size))
-        yield error
+        errors = [abs(difference(partial(_gap_at, found, way, motion), h, SIDES)[0] - change) for h in SHARES]
+        yield float(min(errors)) / max(abs(change), found.problem.robot.mean_length)
 
 
-def _gap_at(found: sn.Solution, way: Tangent, h: float, motion: Floats) -> float:
-    return float(least_gaps(question(found, way, h)[0], (found.q + h * motion)[None])[0])
+def _gap_at(found: sn.Solution, way: Tangent, motion: Floats, h: float) -> Floats:
+    return least_gaps(question(found, way, h)[0], (found.q + h * motion)[None])
 
 
 def _preferred(rng: Generator) -> Iterator[float | None]:
@@ -527,7 +517,8 @@ def _preferred(rng: Generator) -> Iterator[float | None]:
         derivative = found.derivative(ALL)
         for _ in range(DEAR // len(SHAPES)):
             way = random_tangent(found, rng)
-            yield agreement_of_minima(found, derivative.jvp(way), way) if derivative.regular else None
+            motion = derivative.jvp(way)
+            yield agreement(found, motion, way, TWO_STEPS, minimum_again) if derivative.regular else None
 
 
 def _loaded(rng: Generator) -> Iterator[float | None]:
@@ -545,10 +536,13 @@ def _loaded(rng: Generator) -> Iterator[float | None]:
             continue
         name, i = columns[at]
         column = list(LOADS[name](found.question))[i]
-        ends = [find_equilibrium(column.changed(h * column.scale)).states for h in (1e-3, -1e-3, 5e-4, -5e-4)]
-        change = (8.0 * (ends[2] - ends[3]) - (ends[0] - ends[1])) / 6e-3 / column.scale
+        change = difference(partial(_states_at, column), 1e-3, TWO_STEPS) / column.scale
         scale = np.abs(derivative.states[name]).max()
         yield float(np.abs(derivative.states[name][..., i] - change).max() / scale)
+
+
+def _states_at(column: Any, h: float) -> Floats:
+    return find_equilibrium(column.changed(h * column.scale)).states
 
 
 def _some(family: str, rng: Generator) -> Iterator[sn.Solution]:

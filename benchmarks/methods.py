@@ -12,10 +12,9 @@ from functools import lru_cache, partial
 from itertools import islice, pairwise
 from statistics import median
 from time import perf_counter, thread_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness import Divided, Experiment, Goal, Line, Plan, Times, number
@@ -391,49 +390,50 @@ TOGETHER, SHARES = 20, 10
 
 SPHERES, BEND = 40, 2.4
 
-Draw = Callable[[int, Generator], ProblemSet]
-"""From how many, and random numbers, to problems."""
 
+class Family(NamedTuple):
+    """A kind of problems.
 
-def _free(
-    robot: sn.Robot, drawn: sn.Robot | None = None, tolerance: sn.Tolerance = PAPER_TOLERANCE, asked: str = "direction"
-) -> Draw:
-    """What tips of random shapes of a robot, or of another, reach; by default their positions and directions."""
+    Attributes
+    ----------
+    words : str
+        What it is.
+    robot : Robot
+    asked : str
+        What of a tip that some shape has, see `target_at`.
+    spheres : int
+        How many there are, in which the shape is clear.
+    drawn : Robot, optional
+        Whose shapes are drawn, where not those of the robot.
+    tolerance : Tolerance
+    """
 
-    def draw(count: int, rng: Generator) -> ProblemSet:
-        own = drawn or robot
-        targets = tip_targets(own, random_configurations(own, count, rng), asked)
-        return ProblemSet(robot, targets, sn.Scene(), tolerance.for_robot(robot))
-
-    return draw
-
-
-def _among(robot: sn.Robot, spheres: int, asked: str = "direction") -> Draw:
-    def draw(count: int, rng: Generator) -> ProblemSet:
-        return among_spheres(robot, spheres, count, rng, asked).with_tolerance(PAPER_TOLERANCE)
-
-    return draw
+    words: str
+    robot: sn.Robot
+    asked: str = "direction"
+    spheres: int = 0
+    drawn: sn.Robot | None = None
+    tolerance: sn.Tolerance = PAPER_TOLERANCE
 
 
 ARM, THICK = arm(5, BEND), arm(5, BEND, radius=4.0)
+FIXED, MANY, LONG = sn.Robot.uniform(5, 57.5, BEND, base=ARM.base), arm(20, 1.2), arm(8, 1.5, radius=8.0)
 
-FAMILIES: dict[str, tuple[str, Draw]] = {
-    "gentle": ("Gentle poses: drawn with bends to 1.2, no limit on bends", _free(arm(5, FREE_BEND), arm(5, 1.2))),
-    "direction": (f"Position and direction, bends to {BEND}", _free(ARM)),
-    "exact": ("Position and direction, to 1e-4 of the length and 1e-3 rad", _free(ARM, tolerance=sn.Tolerance())),
-    "position": ("Position alone", _free(ARM, asked="position")),
-    "rotation": ("Position and whole rotation", _free(ARM, asked="rotation")),
-    "fixed lengths": (
-        "Position and direction, lengths fixed at 57.5 mm",
-        _free(sn.Robot.uniform(5, 57.5, BEND, base=ARM.base)),
-    ),
-    "20 segments": ("Position and direction, 20 segments, bends to 1.2", _free(arm(20, 1.2))),
-    "spheres, direction": (f"Position and direction among {SPHERES} spheres, 4 mm thick", _among(THICK, SPHERES)),
-    "spheres, position": (f"Position alone among {SPHERES} spheres, 4 mm thick", _among(THICK, SPHERES, "position")),
-    "spheres, thicket": (
-        f"Position and direction, 8 segments with bends to 1.5, 8 mm thick, among {3 * SPHERES} spheres",
-        _among(arm(8, 1.5, radius=8.0), 3 * SPHERES),
-    ),
+GENTLE = "Gentle poses: drawn with bends to 1.2, no limit on bends"
+EXACT = "Position and direction, to 1e-4 of the length and 1e-3 rad"
+THICKET = f"Position and direction, 8 segments with bends to 1.5, 8 mm thick, among {3 * SPHERES} spheres"
+
+FAMILIES = {
+    "gentle": Family(GENTLE, arm(5, FREE_BEND), drawn=arm(5, 1.2)),
+    "direction": Family(f"Position and direction, bends to {BEND}", ARM),
+    "exact": Family(EXACT, ARM, tolerance=sn.Tolerance()),
+    "position": Family("Position alone", ARM, "position"),
+    "rotation": Family("Position and whole rotation", ARM, "rotation"),
+    "fixed lengths": Family("Position and direction, lengths fixed at 57.5 mm", FIXED),
+    "20 segments": Family("Position and direction, 20 segments, bends to 1.2", MANY),
+    "spheres, direction": Family(f"Position and direction among {SPHERES} spheres, 4 mm thick", THICK, spheres=SPHERES),
+    "spheres, position": Family(f"Position alone among {SPHERES} spheres, 4 mm thick", THICK, "position", SPHERES),
+    "spheres, thicket": Family(THICKET, LONG, spheres=3 * SPHERES),
 }
 """What each is, and how its problems are drawn."""
 
@@ -442,12 +442,14 @@ def methods(plan: Plan) -> Experiment:
     """All methods on common random problems, with and without obstacles. A part is a kind of problem."""
     everyone, solve = entrants(), partial(solve_in_turns, seconds=BUDGET, seed=plan.seed)
     parts = {}
-    for family, (words, _) in FAMILIES.items():
+    for family, own in FAMILIES.items():
         draws = [partial(_drawn, plan, family, number) for number in range(plan.count(SHARES, 1))]
-        parts[family] = Divided([partial(share, everyone, draw, solve) for draw in draws], partial(lines_of, words))
+        parts[family] = Divided([partial(share, everyone, draw, solve) for draw in draws], partial(lines_of, own.words))
     protocol = f"each the pose of a configuration within limits and clear, from cold, at most {1e3 * BUDGET:g} ms"
     return Experiment("methods", plan, parts, protocol)
 
 
 def _drawn(plan: Plan, family: str, number: int) -> ProblemSet:
-    return FAMILIES[family][1](plan.count(TOGETHER, 2), plan.rng(30, list(FAMILIES).index(family), number))
+    own, rng = FAMILIES[family], plan.rng(30, list(FAMILIES).index(family), number)
+    drawn = among_spheres(own.drawn or own.robot, own.spheres, plan.count(TOGETHER, 2), rng, own.asked)
+    return replace(drawn, robot=own.robot, tolerance=own.tolerance.for_robot(own.robot))

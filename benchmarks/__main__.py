@@ -6,10 +6,10 @@ NumPy looks at it.
 
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -25,43 +25,32 @@ if TYPE_CHECKING:
     from benchmarks.harness import Experiment, Plan
 
 
-class Known(NamedTuple):
-    """An experiment: what it measures, its module, and what makes it of a plan; or its parts, by default `PARTS`."""
-
-    about: str
-    module: str
-    made: str = "PARTS"
-
-
 KNOWN = {
-    "speed": Known("every speed and success figure of the README (10 minutes)", "speed.experiment"),
-    "clutter": Known(
-        "intricate places, each known to be possible: what is solved, and how quickly", "clutter", "clutter"
-    ),
-    "wild": Known("anything that can be built, with hidden solutions, every claim judged", "wild.experiment", "wild"),
-    "ablation": Known("places with each attempt of the solver switched off", "ways", "ablation"),
-    "demanded": Known("places with a clearance demanded, or a body that is thicker by as much", "ways", "demanded"),
-    "remembered": Known("many targets in one place, with a memory and without", "ways", "remembered"),
-    "explored": Known("plans into places that were explored, and without that", "ways", "explored"),
-    "many": Known("batches through files, and engines", "many"),
-    "motion": Known(
-        "motions planned, tracked, led and stepped: what is found, and whether it is clear", "motion.experiment"
-    ),
-    "seams": Known("welds, seams and other paths: followed whole, and whether the tip stays on them", "motion.seams"),
-    "limits": Known("limits of tension in steps and motions of elastic arms, loaded or not", "motion.limits"),
-    "derivatives": Known("derivatives of answers: their costs, and whether differences agree", "derivatives"),
-    "design": Known("robots for sets of tasks, against random ones and a template", "design"),
-    "joints": Known("arms with joints before the segments, beside an analytic rigid solver", "joints"),
-    "real": Known("robots as they are, beside published figures: calibrated, and under load", "real"),
-    "workspace": Known("maps of three published robots, against solves at random places", "workspace"),
-    "inputs": Known("files in every dialect: right, refused, or noted; wrong units; large meshes", "inputs"),
-    "view": Known("pages: from an event of the mouse to a new shape, and pages in files", "view"),
-    "worlds": Known("100,000 small worlds with doors: false claims that are rare", "clutter", "worlds"),
-    "table1": Known("the paper's four poses, every method, beside what the paper publishes", "methods", "table1"),
-    "tracking": Known("a path of 180 points behind random spheres, every method", "methods", "tracking"),
-    "segments": Known("how times grow with the number of segments", "methods", "segments"),
-    "methods": Known("all methods on common random problems, with and without obstacles", "methods", "methods"),
+    "speed": ("speed.experiment", "every speed and success figure of the README (10 minutes)"),
+    "clutter": ("clutter", "intricate places, each known to be possible: what is solved, and how quickly"),
+    "wild": ("wild.experiment", "anything that can be built, with hidden solutions, every claim judged"),
+    "ablation": ("ways", "places with each attempt of the solver switched off"),
+    "demanded": ("ways", "places with a clearance demanded, or a body that is thicker by as much"),
+    "remembered": ("ways", "many targets in one place, with a memory and without"),
+    "explored": ("ways", "plans into places that were explored, and without that"),
+    "many": ("many", "batches through files, and engines"),
+    "motion": ("motion.experiment", "motions planned, tracked, led and stepped: what is found, and if it is clear"),
+    "seams": ("motion.seams", "welds, seams and other paths: followed whole, and whether the tip stays on them"),
+    "limits": ("motion.limits", "limits of tension in steps and motions of elastic arms, loaded or not"),
+    "derivatives": ("derivatives", "derivatives of answers: their costs, and whether differences agree"),
+    "design": ("design", "robots for sets of tasks, against random ones and a template"),
+    "joints": ("joints", "arms with joints before the segments, beside an analytic rigid solver"),
+    "real": ("real", "robots as they are, beside published figures: calibrated, and under load"),
+    "workspace": ("workspace", "maps of three published robots, against solves at random places"),
+    "inputs": ("inputs", "files in every dialect: right, refused, or noted; wrong units; large meshes"),
+    "view": ("view", "pages: from an event of the mouse to a new shape, and pages in files"),
+    "worlds": ("clutter", "100,000 small worlds with doors: false claims that are rare"),
+    "table1": ("methods", "the paper's four poses, every method, beside what the paper publishes"),
+    "tracking": ("methods", "a path of 180 points behind random spheres, every method"),
+    "segments": ("methods", "how times grow with the number of segments"),
+    "methods": ("methods", "all methods on common random problems, with and without obstacles"),
 }
+"""Experiments: module, whose `PARTS`, or whose function of that name, make one of a plan; and what each measures."""
 
 TOOLS = {
     "trace": ("trace", "how many files of the package run in a solve"),
@@ -127,9 +116,8 @@ def experiment(name: str, plan: "Plan", parts: Sequence[str] = ()) -> "Experimen
     """
     from benchmarks.harness import Experiment  # noqa: PLC0415
 
-    known = KNOWN[name]
-    made: Any = getattr(import_module(f"benchmarks.{known.module}"), known.made)
-    whole = Experiment.of(name, plan, made) if isinstance(made, Mapping) else made(plan)
+    module: Any = import_module(f"benchmarks.{KNOWN[name][0]}")
+    whole = Experiment.of(name, plan, module.PARTS) if hasattr(module, "PARTS") else getattr(module, name)(plan)
     return whole.only(parts) if parts else whole
 
 
@@ -158,9 +146,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _help(named: str | None) -> str:
     """What `--help` begins with: about the measurement that was named, or else about all."""
-    told = {name: known.about for name, known in KNOWN.items()} | {name: about for name, (_, about) in TOOLS.items()}
-    listed = "\n".join(f"{name}: {about}" for name, about in told.items())
-    text = f"Measure {named}: {KNOWN[named].about}." if named else f"Measure one of these.\n\n\b\n{listed}"
+    listed = "\n".join(f"{name}: {about}" for name, (_, about) in (KNOWN | TOOLS).items())
+    text = f"Measure {named}: {KNOWN[named][1]}." if named else f"Measure one of these.\n\n\b\n{listed}"
     return f"{text}\n\nOnly verified answers count."
 
 

@@ -504,13 +504,7 @@ def _begin(cores: "SimpleQueue[int]") -> None:
 
 INTERRUPTED = 130
 
-NEEDED = {
-    "casadi": "casadi",
-    "distributed": "distributed",
-    "igl": "libigl",
-    "matplotlib": "matplotlib",
-    "trimesh": "trimesh",
-}
+NEEDED = {"igl": "libigl"} | {name: name for name in ("casadi", "distributed", "matplotlib", "trimesh")}
 """Modules that a plain installation does not bring, and the packages that do."""
 
 MOMENTARY = ("date", "sinuous", "casadi")

@@ -23,7 +23,7 @@ from numpy.random import Generator
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan
-from benchmarks.places.solids import CORNERS, FACES
+from benchmarks.places.solids import CORNERS, FACES, Surface, joined, ring_loft
 from sinuous.base.checks import Floats
 from sinuous.problem.problem import problem_warnings
 from sinuous.studies.batch.tables.reading import open_source
@@ -59,7 +59,7 @@ class Written(NamedTuple):
     content: bytes
     points: Floats
     options: dict[str, Any]
-    whole: bool
+    whole: bool = True
     reader: Callable[..., tuple[Floats, bool]] | None = None
 
 
@@ -160,9 +160,8 @@ def live(rng: Generator) -> Written:
     points = _cloud(rng)[: int(rng.integers(0, 30))].astype(str(rng.choice(["f4", "f8", ">f4"])))
     if rng.random() < 0.3:
         points = np.asfortranarray(points)
-    return Written(
-        "live", points.astype("<f8").tobytes(), _finite(points.astype(float)), {}, True, partial(_see, points)
-    )
+    content, reader = points.astype("<f8").tobytes(), partial(_see, points)
+    return Written("live", content, _finite(points.astype(float)), {}, reader=reader)
 
 
 def _see(points: Any, _: Path, **__: Any) -> tuple[Floats, bool]:
@@ -192,9 +191,7 @@ def las(rng: Generator) -> Written:
     file = io.BytesIO()
     own.write(file, do_compress=(compressed := bool(rng.random() < 0.3)))
     content = bytes(file.getbuffer())
-    return _cut(
-        rng, Written(f"scan.{'laz' if compressed else 'las'}", content, points[~withheld], {"radius": 1.0}, True)
-    )
+    return _cut(rng, Written(f"scan.{'laz' if compressed else 'las'}", content, points[~withheld], {"radius": 1.0}))
 
 
 def threemf(rng: Generator) -> Written:
@@ -220,7 +217,7 @@ def threemf(rng: Generator) -> Written:
             "_rels/.rels", f"<Relationships><Relationship Target='/3D/a.model' Id='a' Type='{kind}'/></Relationships>"
         )
         parts.writestr("3D/a.model", model)
-    return _cut(rng, Written("part.3mf", file.getvalue(), corners, {"scale": 1.0}, True))
+    return _cut(rng, Written("part.3mf", file.getvalue(), corners, {"scale": 1.0}))
 
 
 def _columns(points: Floats, rng: Generator, other: str) -> tuple[list[str], Floats, bytes]:
@@ -237,7 +234,7 @@ def ply(rng: Generator) -> Written:
     data = text if kind == "ascii" else columns.astype((">" if "big" in kind else "<") + "f4").tobytes()
     head = "".join(f"property float {name}\n" for name in names)
     header = f"ply\nformat {kind} 1.0\nelement vertex {len(points)}\n{head}end_header\n".encode()
-    return _cut(rng, Written("scan.ply", header + data, _finite(points), _dropped(), True))
+    return _cut(rng, Written("scan.ply", header + data, _finite(points), _dropped()))
 
 
 def pcd(rng: Generator) -> Written:
@@ -248,7 +245,7 @@ def pcd(rng: Generator) -> Written:
     data = text if kind == "ascii" else columns.astype(f"<f{size}").tobytes()
     fields = f"FIELDS {' '.join(names)}\nSIZE {' '.join([str(size)] * 4)}\nTYPE F F F F\nCOUNT 1 1 1 1\n"
     head = f"# .PCD v0.7\nVERSION 0.7\n{fields}WIDTH {len(points)}\nHEIGHT 1\nPOINTS {len(points)}\nDATA {kind}\n"
-    return _cut(rng, Written("scan.pcd", head.encode() + data, _finite(points), _dropped(), True))
+    return _cut(rng, Written("scan.pcd", head.encode() + data, _finite(points), _dropped()))
 
 
 def npy(rng: Generator) -> Written:
@@ -259,7 +256,7 @@ def npy(rng: Generator) -> Written:
         np.save(file, np.asfortranarray(points) if rng.random() < 0.5 else points)
         file.seek(0)
         content = file.read()
-    return _cut(rng, Written("scan.npy", content, _finite(points.astype(float)), _dropped(), True))
+    return _cut(rng, Written("scan.npy", content, _finite(points.astype(float)), _dropped()))
 
 
 def stl(rng: Generator) -> Written:
@@ -275,7 +272,7 @@ def stl(rng: Generator) -> Written:
         content = f"solid part {said}\n{facets.replace('endsolid', end)}\n".encode()
     else:
         content = said.encode().ljust(80) + box[80:]
-    return _cut(rng, Written("part.stl", content, corners, {"scale": 1.0}, True))
+    return _cut(rng, Written("part.stl", content, corners, {"scale": 1.0}))
 
 
 def of_trimesh(ending: str, rng: Generator) -> Written:
@@ -287,7 +284,7 @@ def of_trimesh(ending: str, rng: Generator) -> Written:
     own = corners[:, [0, 2, 1]] * (1.0, 1.0, -1.0) if y_up else corners
     content: Any = trimesh.Trimesh(own, faces, process=False).export(file_type=ending)
     content = content.encode() if isinstance(content, str) else content
-    return _cut(rng, Written(f"part.{ending}", content, corners, {"scale": 1.0}, True))
+    return _cut(rng, Written(f"part.{ending}", content, corners, {"scale": 1.0}))
 
 
 KINDS: dict[str, Callable[[Generator], Written]] = {
@@ -452,52 +449,45 @@ MANY, HUGE, BODIES, SIDES_OF_BODY = 300_000, 2_600_000, 1000, 320
 """Triangles of a large mesh and of a huge one; bodies of a file, and triangles of each."""
 
 
-def bumpy(count: int) -> tuple[Floats, Any]:
+def bumpy(count: int) -> Surface:
     """A torus with bumps, of about so many triangles."""
-    sides = int(np.sqrt(count / 2))
-    turn = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
+    turn = np.linspace(0.0, 2.0 * np.pi, int(np.sqrt(count / 2)), endpoint=False)
     u, v = np.meshgrid(turn, turn, indexing="ij")
     r = 30.0 + 3.0 * np.sin(7 * u) * np.cos(5 * v)
-    places = np.stack(
-        [(100.0 + r * np.cos(v)) * np.cos(u), (100.0 + r * np.cos(v)) * np.sin(u), r * np.sin(v)], axis=-1
-    )
-    a = np.arange(sides**2).reshape(sides, sides)
-    b, c, d = np.roll(a, -1, 0), np.roll(a, (-1, -1), (0, 1)), np.roll(a, -1, 1)
-    return places.reshape(-1, 3), np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+    around = 100.0 + r * np.cos(v)
+    return ring_loft(np.stack([around * np.cos(u), around * np.sin(u), r * np.sin(v)], axis=-1))
 
 
-def bodies(_: int) -> tuple[Floats, Any]:
+def bodies() -> Surface:
     """Balls on a grid."""
     import trimesh  # noqa: PLC0415
 
     ball = trimesh.creation.icosphere(2)
-    places = np.stack(np.meshgrid(*[np.arange(10.0)] * 3), axis=-1).reshape(-1, 1, 3) * 3.0
-    first = len(ball.vertices) * np.arange(BODIES)[:, None, None]
-    return (ball.vertices + places).reshape(-1, 3), (ball.faces + first).reshape(-1, 3)
+    places = 3.0 * np.stack(np.meshgrid(*[np.arange(10.0)] * 3), axis=-1).reshape(-1, 3)
+    return joined([Surface(ball.vertices + place, ball.faces) for place in places])
 
 
 def large(plan: Plan) -> Iterator[Line]:
     """Load large meshes from binary STL and prepare them for solving, with nothing kept from before."""
-    sizes: list[tuple[str, Callable[[int], tuple[Floats, Any]], int, float | None]] = [
-        (f"{MANY:,} triangles", bumpy, MANY, 3.0),
-        (f"{BODIES:,} bodies of {SIDES_OF_BODY} triangles", bodies, 0, 5.0),
+    sizes: list[tuple[str, Callable[[], Surface], Goal | None]] = [
+        (f"{MANY:,} triangles", partial(bumpy, MANY), Goal(3.0)),
+        (f"{BODIES:,} bodies of {SIDES_OF_BODY} triangles", bodies, Goal(5.0)),
+        (f"{HUGE:,} triangles", partial(bumpy, HUGE), None),
     ]
-    sizes += [] if plan.quick else [(f"{HUGE:,} triangles", bumpy, HUGE, None)]
-    _load(*bumpy(2000))  # compiled
-    for what, made, count, goal in sizes:
-        cpu, wall, told = _load(*made(count))
-        limit = None if goal is None else Goal(goal)
+    _load(bumpy(2000))  # compiled
+    for what, made, goal in sizes[: plan.count(3, 2)]:
+        cpu, wall, told = _load(made())
         note = f"{wall:.1f} s by the clock; told before: {told or 'nothing'}"
-        yield Line("large meshes", f"{what}: loaded and prepared, CPU", cpu, "s", limit, note=note)
+        yield Line("large meshes", f"{what}: loaded and prepared, CPU", cpu, "s", goal, note=note)
 
 
-def _load(corners: Floats, faces: Any) -> tuple[float, float, str]:
+def _load(surface: Surface) -> tuple[float, float, str]:
     """Seconds of CPU and of the clock, and what was told of how long it takes."""
-    triangles = np.zeros(len(faces), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    triangles["corners"] = (corners + perf_counter() % 1.0)[faces]  # else samples may be kept from before
+    triangles = np.zeros(len(surface.faces), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    triangles["corners"] = (surface.vertices + perf_counter() % 1.0)[surface.faces]  # else samples may be kept
     with tempfile.TemporaryDirectory() as folder, redirect_stderr(io.StringIO()) as told:
         file = Path(folder, "large.stl")
-        file.write_bytes(b" " * 80 + struct.pack("<I", len(faces)) + triangles.tobytes())
+        file.write_bytes(b" " * 80 + struct.pack("<I", len(triangles)) + triangles.tobytes())
         cpu, wall = process_time(), perf_counter()
         sn.Scene([sn.Mesh.load(file, 1.0)]).snapshot().prepare()
         return process_time() - cpu, perf_counter() - wall, " and ".join(told.getvalue().splitlines())

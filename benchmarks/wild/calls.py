@@ -107,49 +107,6 @@ def _ball(center: Floats, radius: float, places: Floats) -> Floats:
     return np.asarray(np.linalg.norm(places - center, axis=1) - radius)
 
 
-def odd_shape(robot: sn.Robot, rng: Generator) -> Floats:
-    """A configuration within all limits; where actuators forbid what was drawn, a straight one of middle length."""
-    q = random_configurations(robot, 1, rng)[0]
-    for share in (1.0 - 1e-9, 0.1, 0.0):
-        q[:, :2] *= share
-        if share == 0.0:
-            q[:, 2] = [0.5 * sum(segment.length) for segment in robot.segments]
-        if not robot.violations(q):
-            break
-    return q
-
-
-def odd_target(robot: sn.Robot, rng: Generator) -> list[sn.Target]:
-    """What a shape of the robot meets, or anything else, or several of these."""
-    if rng.random() < 0.6:
-        return asked(robot, odd_shape(robot, rng)[None], rng)[0]
-    unit, base = size_of(robot), robot.base[:3, 3]
-    place = base + unit * float(rng.choice([0.0, 1e-9, 0.5, 1.0, 1e3])) * rng.normal(size=3)
-    kind = int(rng.integers(5))
-    segment = None if rng.random() < 0.7 else int(rng.integers(1, len(robot) + 1))
-    if kind == 0:
-        return [sn.Target(place, segment=segment)]
-    if kind == 1:
-        return [sn.Target(place, direction=-robot.base[:3, 2], segment=segment)]
-    if kind == 2:
-        return [sn.Target(direction=rng.normal(size=3), segment=segment)]
-    if kind == 3:
-        return [sn.Target(place, rotation=rng.normal(size=4), segment=segment)]
-    return [
-        sn.Target(place),
-        *[sn.Target(place + unit * rng.normal(size=3), segment=k + 1) for k in range(len(robot) - 1)],
-    ]
-
-
-def odd_tolerance(robot: sn.Robot, rng: Generator) -> sn.Tolerance | None:
-    """Draw any tolerance, or none."""
-    return (
-        None
-        if rng.random() < 0.5
-        else sn.Tolerance(size_of(robot) * 10.0 ** rng.uniform(-12, 0), 10.0 ** rng.uniform(-12, 0))
-    )
-
-
 BUDGETS = (0.0, 1e-4, 0.01, 0.05)
 """Seconds of a call."""
 
@@ -185,12 +142,44 @@ class Drawn:
         return bool(self.rng.random() < share)
 
     def target(self) -> list[sn.Target]:
-        """Draw what is asked of the robot."""
-        return odd_target(self.robot, self.rng)
+        """Draw what a shape of the robot meets, or anything else, or several of these."""
+        rng, robot, unit = self.rng, self.robot, self.unit
+        if self.perhaps(0.6):
+            return asked(robot, self._within_limits()[None], rng)[0]
+        place = robot.base[:3, 3] + unit * float(rng.choice([0.0, 1e-9, 0.5, 1.0, 1e3])) * rng.normal(size=3)
+        kind = int(rng.integers(5))
+        segment = None if self.perhaps(0.7) else int(rng.integers(1, len(robot) + 1))
+        if kind == 0:
+            return [sn.Target(place, segment=segment)]
+        if kind == 1:
+            return [sn.Target(place, direction=-robot.base[:3, 2], segment=segment)]
+        if kind == 2:
+            return [sn.Target(direction=rng.normal(size=3), segment=segment)]
+        if kind == 3:
+            return [sn.Target(place, rotation=rng.normal(size=4), segment=segment)]
+        others = [sn.Target(place + unit * rng.normal(size=3), segment=k + 1) for k in range(len(robot) - 1)]
+        return [sn.Target(place), *others]
 
     def shape(self, share: float = 1.0) -> Any:
         """Draw a configuration (n, 3), in such a share of the cases, and else none."""
-        return odd_shape(self.robot, self.rng) if self.perhaps(share) else None
+        return self._within_limits() if self.perhaps(share) else None
+
+    def _within_limits(self) -> Floats:
+        """A configuration within all limits; where actuators forbid what was drawn, a straight one of middle length."""
+        q = random_configurations(self.robot, 1, self.rng)[0]
+        for share in (1.0 - 1e-9, 0.1, 0.0):
+            q[:, :2] *= share
+            if share == 0.0:
+                q[:, 2] = [0.5 * sum(segment.length) for segment in self.robot.segments]
+            if not self.robot.violations(q):
+                break
+        return q
+
+    def tolerance(self) -> sn.Tolerance | None:
+        """Draw any tolerance, or none."""
+        if self.perhaps(0.5):
+            return None
+        return sn.Tolerance(self.unit * 10.0 ** self.rng.uniform(-12, 0), 10.0 ** self.rng.uniform(-12, 0))
 
     def seconds(self, budget: float) -> float:
         """Return a budget, or one that is never used up."""
@@ -203,7 +192,7 @@ class Drawn:
     def options(self, budget: float | None = None, **more: Any) -> dict[str, Any]:
         """Draw options of a solve, most of them left out; `more` stand in their place."""
         drawn: dict[str, Any] = {"time": self.seconds(float(self.rng.choice(BUDGETS)) if budget is None else budget)}
-        drawn["tolerance"] = odd_tolerance(self.robot, self.rng)
+        drawn["tolerance"] = self.tolerance()
         if self.perhaps(0.3) or self.patient:
             drawn["max_starts"] = STARTS if self.patient else int(self.rng.choice([1, 2, 10, 100]))
         if self.perhaps(0.2):
@@ -364,7 +353,7 @@ def _check(d: Drawn) -> Any:
 
 def _job(d: Drawn) -> Any:
     """Write a problem, and read it again."""
-    job = sn.Job(d.robot, d.target(), d.scene, tolerance=odd_tolerance(d.robot, d.rng))
+    job = sn.Job(d.robot, d.target(), d.scene, tolerance=d.tolerance())
     with TemporaryDirectory() as folder:
         job.save(file := Path(folder) / "job.yaml")
         again, text = sn.load(file, sn.Job), file.read_text()

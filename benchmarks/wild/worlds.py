@@ -20,18 +20,8 @@ from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
+from benchmarks.judges import kinematics
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.kinematics import (
-    arm_of,
-    bend_caps,
-    body_places,
-    body_points,
-    moving,
-    needed_body,
-    segment_ends,
-    self_body,
-    tip_poses,
-)
 from benchmarks.judges.self_collision import Flags, look, surely_clear
 from benchmarks.places import solids
 from benchmarks.problems import ProblemSet, in_ball, random_configurations, target_at
@@ -136,7 +126,7 @@ def draw_shapes(robot: sn.Robot, count: int, most: float, rng: Generator) -> Flo
     radii = np.array(robot.radii)
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(radii > 0.0, TIGHTEST * lengths / radii, math.inf)
-    norms = most * np.minimum(bend_caps(robot, lengths), own) * np.sqrt(rng.random(size))
+    norms = most * np.minimum(kinematics.bend_caps(robot, lengths), own) * np.sqrt(rng.random(size))
     angles = 2.0 * math.pi * rng.random(size)
     return np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
 
@@ -205,8 +195,8 @@ def _capsule(unit: float, rng: Generator) -> tuple[Floats, Floats, float]:
 
 def draw_jointed(robot: sn.Robot, count: int, most: float, rng: Generator) -> Floats:
     """Draw configurations (m, rows, 3) of an arm with joints, whose segments use `most` of the bends they may have."""
-    low, high = np.array([joint.limits for joint in moving(robot.joints)]).T
-    arm = arm_of(robot)
+    low, high = np.array([joint.limits for joint in kinematics.moving(robot.joints)]).T
+    arm = kinematics.arm_of(robot)
     values = low + (high - low) * rng.random((count, len(low)))
     return robot.with_joints(np.zeros((count, 0, 3)) if arm is None else draw_shapes(arm, count, most, rng), values)
 
@@ -256,10 +246,10 @@ def scene_about(robot: sn.Robot, q: Floats, rng: Generator) -> sn.Scene:
 def _bodies(robot: sn.Robot, q: Floats) -> tuple[Floats, Floats]:
     """Points (k, 3) of all backbones beyond the mount, and of links, and the radius (k,) of the body at each."""
     if robot.joints:
-        bodies = body_places(robot, q, SAMPLES) or [(0, robot.base[None, None, :3, 3], 0.0)]
+        bodies = kinematics.body_places(robot, q, SAMPLES) or [(0, robot.base[None, None, :3, 3], 0.0)]
         radii = [np.full(points[..., 0].size, radius) for _, points, radius in bodies]
         return np.concatenate([points.reshape(-1, 3) for _, points, _ in bodies]), np.concatenate(radii)
-    points, along = body_points(robot, q, SAMPLES)
+    points, along = kinematics.body_points(robot, q, SAMPLES)
     exposed = along >= robot.mount
     if not exposed.any():
         exposed[..., -1, -1] = True
@@ -433,7 +423,7 @@ def asked(robot: sn.Robot, q: Floats, rng: Generator, kind: str | None = None) -
     several = len(robot.segments) > 1 and rng.random() < INTERMEDIATE
     segment = int(rng.integers(1, len(robot.segments))) if several else 0
     questions = []
-    for ends in segment_ends(robot, q):
+    for ends in kinematics.segment_ends(robot, q):
         more = [sn.Target(ends[segment][:3, 3], segment=segment)] if segment else []
         questions.append([target_at(ends[-1] @ robot.tool, kind), *more])
     return questions
@@ -483,7 +473,7 @@ def huge(seed: int, number: int) -> World:
         )
         q = shapes_of(robot, 1, rng)
         for _ in range(DRAWS if len(q) else 0):
-            points, along = body_points(robot, q, 200)
+            points, along = kinematics.body_points(robot, q, 200)
             radii = np.broadcast_to(np.array(robot.radii)[:, None], along.shape).reshape(-1)
             i, side = int(rng.integers(along.size)), rng.choice([-1.0, 1.0])
             gap = side * unit * 10.0 ** rng.uniform(*GAPS)
@@ -549,7 +539,7 @@ def demands(seed: int, number: int) -> World:
     def drawn() -> tuple[sn.Robot, Floats]:
         plain, q = robot_with_shapes(SHAPES, rng)
         robot = demanding(plain, rng)
-        return robot, q[surely_clear(self_body(robot), q) & _gently_bent(robot, q)]
+        return robot, q[surely_clear(kinematics.self_body(robot), q) & _gently_bent(robot, q)]
 
     return _about(drawn, rng)
 
@@ -565,9 +555,9 @@ def loaded(seed: int, number: int) -> World:
             continue
         body, arcs = bodies_at(robot, q)
         scene = scene_about(body, arcs, rng)
-        clear = look(self_body(body), arcs, 0.0).least > 0.0
+        clear = look(kinematics.self_body(body), arcs, 0.0).least > 0.0
         if len(scene):
-            clear &= Clearances(needed_body(body), scene).least(arcs, 0.0) > CLEAR * robot.mean_length
+            clear &= Clearances(kinematics.needed_body(body), scene).least(arcs, 0.0) > CLEAR * robot.mean_length
         if clear.any():
             q, kind = q[clear], str(rng.choice(["position", "direction", "rotation"]))
             targets = [[target_at(robot.shape(each).tip, kind)] for each in q]
@@ -602,7 +592,8 @@ def clutter(seed: int, count: int) -> ProblemSet:
         if len(scene):
             break
     q = np.concatenate([q, random_configurations(robot, count - len(q), rng)])
-    targets = [target_at(tip, str(rng.choice(["position", "direction", "rotation"]))) for tip in tip_poses(robot, q)]
+    kinds, tips = ["position", "direction", "rotation"], kinematics.tip_poses(robot, q)
+    targets = [target_at(tip, str(rng.choice(kinds))) for tip in tips]
     return ProblemSet(robot, targets, scene, sn.Tolerance().for_robot(robot))
 
 
@@ -634,7 +625,7 @@ def _about(drawn: Drawn, rng: Generator, placed: Placed | None = None) -> World:
             if placed is None:
                 obstacles = list(scene_about(robot, q, rng).obstacles)
             else:
-                obstacles = placed(robot, body_points(robot, q, 12)[0].reshape(-1, 3))
+                obstacles = placed(robot, kinematics.body_points(robot, q, 12)[0].reshape(-1, 3))
             world = _world(robot, obstacles, q, rng)
             if world is not None:
                 return world
@@ -644,7 +635,7 @@ def _world(robot: sn.Robot, obstacles: list[Obstacle], q: Floats, rng: Generator
     """The world of those shapes that are clear; `None` where none is."""
     scene = sn.Scene(obstacles)
     if obstacles:
-        q = q[Clearances(needed_body(robot), scene).least(q, 0.0) > CLEAR * robot.mean_length]
+        q = q[Clearances(kinematics.needed_body(robot), scene).least(q, 0.0) > CLEAR * robot.mean_length]
     return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q) if len(q) else None
 
 
@@ -676,7 +667,7 @@ def demanding(robot: sn.Robot, rng: Generator) -> sn.Robot:
 
 def _gently_bent(robot: sn.Robot, q: Floats) -> Flags:
     """Whether shapes (m, n, 3) bend no tighter than a body as thick as is demanded."""
-    norms, radii = np.hypot(q[..., 0], q[..., 1]), np.array(self_body(robot).radii)
+    norms, radii = np.hypot(q[..., 0], q[..., 1]), np.array(kinematics.self_body(robot).radii)
     return np.asarray((norms * radii <= TIGHTEST * q[..., 2]).all(axis=1))
 
 

@@ -4,7 +4,7 @@ Ten problems, in a drum with blades, beside a bent pipe and in a room, each with
 """
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -99,14 +99,9 @@ def _room(rng: Generator) -> list[Obstacle]:
 
 def _tasks(template: sn.Robot, scene: list[Obstacle], rng: Generator) -> list[sn.Target]:
     """Places of the tip in clear shapes of the template."""
-    tasks: list[sn.Target] = []
-    for _ in range(FAR * TASKS):
-        if len(tasks) == TASKS:
-            break
-        q = _shape(template, rng)
-        if sn.check(template, q, scene).ok:
-            tasks.append(sn.Target(template.tip(q)[:3, 3]))
-    return tasks
+    shapes = (_shape(template, rng) for _ in range(FAR * TASKS))
+    clear = (q for q in shapes if sn.check(template, q, scene).ok)
+    return [sn.Target(template.tip(q)[:3, 3]) for q in islice(clear, TASKS)]
 
 
 def _shape(template: sn.Robot, rng: Generator) -> Floats:

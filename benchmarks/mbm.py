@@ -123,12 +123,8 @@ def read_scenarios(folder: Path) -> dict[str, list[Problem]]:
     files = sorted(folder.glob(f"*{SUFFIX}"))
     if not files:
         raise InputError("FOLDER", f"has no files *{SUFFIX}", str(folder), "the problems, a file for each scenario")
-    return {file.name.removesuffix(SUFFIX): _read(file) for file in files}
-
-
-def _read(file: Path) -> list[Problem]:
-    with gzip.open(file, "rt", encoding="utf-8") as lines:
-        return [json.loads(line) for line in lines]
+    texts = {file.name.removesuffix(SUFFIX): gzip.decompress(file.read_bytes()) for file in files}
+    return {name: [json.loads(line) for line in text.splitlines()] for name, text in texts.items()}
 
 
 def examine(robot: str, seed: int, problem: Problem) -> Planned:

@@ -10,6 +10,7 @@ import csv
 import math
 from collections.abc import Iterator
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from time import thread_time
 from typing import NamedTuple
@@ -346,8 +347,8 @@ def loaded_robot(sections: int) -> sn.Robot:
 def solves(sections: int, spheres: int, goal: float, plan: Plan) -> Iterator[Line]:
     """Targets that are known to be reached by a loaded body that is clear; a few answers are computed as a rod."""
     count, judged, random = plan.count(60, 10), plan.count(8, 2), np.random.default_rng(sections + spheres)
-    robot, scene = loaded_robot(sections), list(_balls(random, spheres))
-    solver, targets = sn.Solver(robot, scene), list(_targets(random, robot, scene, count))
+    robot, scene = loaded_robot(sections), list(islice(_balls(random), spheres))
+    solver, targets = sn.Solver(robot, scene), list(islice(_targets(random, robot, scene), count))
     solver.solve(targets[0])  # kernels are loaded
     answers, seconds = zip(*(timed(solver.solve, target, clock=thread_time) for target in targets), strict=True)
     answered = [(found, target) for found, target in zip(answers, targets, strict=True) if found.solved]
@@ -364,16 +365,15 @@ def solves(sections: int, spheres: int, goal: float, plan: Plan) -> Iterator[Lin
     yield Line(SECTION, f"{what}: off by at most {NEAR} %", agrees, "% of answers", note=told)
 
 
-def _balls(random: np.random.Generator, count: int) -> Iterator[sn.Sphere]:
-    while count > 0:
+def _balls(random: np.random.Generator) -> Iterator[sn.Sphere]:
+    while True:
         place = random.uniform(-0.35, 0.35, 3)
         if np.linalg.norm(place) > 0.1:
-            count -= 1
             yield sn.Sphere(place, 0.025)
 
 
-def _targets(random: np.random.Generator, robot: sn.Robot, scene: list[sn.Sphere], count: int) -> Iterator[sn.Target]:
-    while count > 0:
+def _targets(random: np.random.Generator, robot: sn.Robot, scene: list[sn.Sphere]) -> Iterator[sn.Target]:
+    while True:
         bends = random.uniform(-1.0, 1.0, (len(robot), 2))
         q = np.concatenate([bends, random.uniform(0.08, 0.12, (len(robot), 1))], axis=1)
         try:
@@ -381,7 +381,6 @@ def _targets(random: np.random.Generator, robot: sn.Robot, scene: list[sn.Sphere
         except sn.InputError:
             continue
         if shape.stable and sn.check(robot, q, scene).ok:
-            count -= 1
             yield sn.Target(shape.tip[:3, 3])
 
 
@@ -464,7 +463,7 @@ def control_steps(plan: Plan) -> Iterator[Line]:
     count, random = plan.count(1000, 100), np.random.default_rng(plan.seed)
     hanging = loaded_robot(2).changed(arcs=8)
     twists = 0.1 * random.normal(size=(count // 10 + 1, 3)).repeat(10, axis=0)
-    scene, times = list(_balls(random, 40)), []
+    scene, times = list(islice(_balls(random), 40)), []
     for robot in (hanging, hanging.changed(gravity=None, payload=None)):
         q = np.array([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1]])
         seconds, steps = stepped(sn.Solver(robot, scene), q, twists[:count], DT)

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -29,18 +30,16 @@ def job() -> sn.Job:
     rng = np.random.default_rng(0)
     robot = sn.Robot.uniform(8, length=(45, 70), max_bend=2.4, radius=4)
     beneath = solids.ball(np.array([0.0, 0.0, -140.0]), 80.0, 159).mesh("ball")  # 50,244 triangles
-    scene = [beneath if i == 0 else sn.Sphere(place, 12) for i, place in enumerate(_places(rng, 101))]
+    scene = [beneath if i == 0 else sn.Sphere(place, 12) for i, place in enumerate(islice(_places(rng), 101))]
     return sn.Job(robot, sn.Target((150, 60, 300)), scene)
 
 
-def _places(rng: np.random.Generator, count: int) -> list[Floats]:
-    """Places that are neither at the robot's base nor where it has to go."""
-    places: list[Floats] = []
-    while len(places) < count:
+def _places(rng: np.random.Generator) -> Iterator[Floats]:
+    """Draw places that are neither at the robot's base nor where it has to go, without end."""
+    while True:
         place = rng.uniform((-300, -300, -100), (300, 300, 450))
         if np.linalg.norm(place) > 70 and np.hypot(place[0] - 100, place[1] - 40) > 120:
-            places.append(place)
-    return places
+            yield place
 
 
 def drags(plan: Plan) -> Iterator[Line]:
@@ -94,7 +93,7 @@ def files(_: Plan) -> Iterator[Line]:
     """Write a motion as a page."""
     rng = np.random.default_rng(1)
     robot = sn.Robot.uniform(8, length=(45, 70), max_bend=2.4, radius=4)
-    scene = sn.Scene([sn.Sphere(place, 12) for place in _places(rng, 100)])
+    scene = sn.Scene([sn.Sphere(place, 12) for place in islice(_places(rng), 100)])
     shares = np.linspace(0.0, 1.0, 200)[:, None, None]
     ends = rng.uniform((-0.5, -0.5, 50), (0.5, 0.5, 65), (2, 8, 3))
     motion = sn.Motion(robot, (1 - shares) * ends[0] + shares * ends[1], scene)

@@ -109,10 +109,8 @@ def keeps_apart(robot: Robot, knots: Floats) -> bool:
 
 def straight(robot: Robot) -> Floats:
     """Return the straight robot (n, 3): every stage drawn in, every other segment at its mean length."""
-    lengths = [
-        segment.length[0] if segment.max_bend == 0.0 else 0.5 * sum(segment.length) for segment in robot.segments
-    ]
-    return np.stack([np.zeros(len(lengths)), np.zeros(len(lengths)), lengths], axis=-1)
+    low, high, most = np.array([(*segment.length, segment.max_bend) for segment in robot.segments]).T
+    return np.column_stack([np.zeros((len(low), 2)), np.where(most == 0.0, low, 0.5 * (low + high))])
 
 
 def drawn_back(robot: Robot, q: Floats, share: float, hole: float | None = None) -> list[Floats]:

@@ -9,6 +9,7 @@ itself. Planners of OMPL (Sucan, Moll & Kavraki 2012) plan some pairs, over the 
 from collections.abc import Callable, Iterator
 from functools import cache, partial
 from importlib.util import find_spec
+from itertools import islice
 from statistics import median
 from typing import Any, NamedTuple
 
@@ -120,19 +121,18 @@ def draw(segments: int, density: int, number: int, seed: int) -> Pair:
     rng = np.random.default_rng([seed, segments, density, number])
     robot = sn.Robot([sn.Segment(1.0, np.pi, radius=RADIUS)] * segments)
     while True:
-        scene = _spheres(segments, density * segments**3, rng)
+        scene = sn.Scene(islice(_spheres(segments, rng), density * segments**3))
         found = _states(robot, scene, rng)
         if found is not None:
             return Pair(robot, scene, *found)
 
 
-def _spheres(n: int, count: int, rng: Generator) -> sn.Scene:
-    spheres: list[sn.Sphere] = []
-    while len(spheres) < count:
+def _spheres(n: int, rng: Generator) -> Iterator[sn.Sphere]:
+    """Draw spheres off the straight robot, without end."""
+    while True:
         center, radius = rng.uniform(-n, n, 3), float(rng.uniform(0.15, 0.30))
         if np.linalg.norm(center - [0.0, 0.0, np.clip(center[2], 0.0, n)]) > radius + RADIUS:
-            spheres.append(sn.Sphere(center, radius))
-    return sn.Scene(spheres)
+            yield sn.Sphere(center, radius)
 
 
 def _states(robot: sn.Robot, scene: sn.Scene, rng: Generator) -> tuple[Floats, Floats] | None:
@@ -198,12 +198,12 @@ def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iter
     yield Line(MEDIAN, what, times.median, "ms", Goal(1e-3) if limit == 0.1 else None)
 
 
+SIZES = (3, 4, 5, 6)
+"""Numbers of segments, of every kind of pairs."""
+
 PARTS: dict[str, Callable[[Plan], Iterator[Line]]] = {
-    **{f"P5, {n} segments": partial(measure, segments=n, density=1) for n in (3, 4, 5, 6, 8)},
-    **{
-        f"P5, {n} segments, {d} times as dense": partial(measure, segments=n, density=d)
-        for d in (2, 4)
-        for n in (3, 4, 5, 6)
-    },
-    **{f"P5, {n} segments, targets": partial(measure, segments=n, density=1, to_target=True) for n in (3, 4, 5, 6)},
+    **{f"P5, {n} segments": partial(measure, segments=n, density=1) for n in (*SIZES, 8)},
+    **{f"P5, {n} segments, 2 times as dense": partial(measure, segments=n, density=2) for n in SIZES},
+    **{f"P5, {n} segments, 4 times as dense": partial(measure, segments=n, density=4) for n in SIZES},
+    **{f"P5, {n} segments, targets": partial(measure, segments=n, density=1, to_target=True) for n in SIZES},
 }

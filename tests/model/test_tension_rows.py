@@ -50,6 +50,19 @@ def test_rows_say_what_the_least_tensions_say(kind: str) -> None:
     assert lacking_stretch(robot, held) == pytest.approx(max(filter(np.isfinite, lacking), default=0.0), abs=1e-9)
 
 
+def test_a_plane_holds_what_tendons_would_bend_out_of_it() -> None:
+    """The judge asked tendons for no moment across a plane that is no axis: it refuted what the robot does."""
+    own: dict[str, Any] = {"stiffness": 2000.0, "tendons": sn.Tendons(3, 4.0, stiffness=50.0, tension=(0.0, 6.0))}
+    robot = sn.Robot([sn.Segment(60.0, max_bend=2.5, plane=plane, **own) for plane in (0.7, 2.0)])
+    elastic = robot.drive.elastic
+    assert elastic is not None
+    q = robot.drive.coordinates.project(drawn(robot, 60, 0.5))
+    held = elastic.balance(q).short.max(axis=1) <= 1e-12
+    assert 10 < held.sum() < 50
+    assert lacking_stretch(robot, q[held]) <= 1e-9
+    assert lacking_stretch(robot, q) > 0.01
+
+
 @pytest.mark.parametrize("kind", ROBOTS)
 def test_slopes_are_those_of_values_and_ways_are_bounded(kind: str) -> None:
     robot = robot_of(kind)

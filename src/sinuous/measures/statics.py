@@ -225,9 +225,11 @@ def lacking_stretch(robot: Robot, q: Floats) -> float:
             arms[row, k] = [*-along, 1.0]
         bounds[row] = *own.tensions, *own.displacements[j]
     stiff = np.array([own.stiffnesses[j] for _, own, j in lines])
-    pulled = (arms != 0.0).any(axis=0) & _moves(robot)
-    pulled |= _moves(robot) & [True, True, False] & _stiff(robot)[:, None] & ~_driven(robot)
-    needed = np.array([list(map(_moments, robot.rows, shape)) for shape in shapes])[:, pulled]
+    basis = robot.drive.coordinates.basis  # a plane holds what would bend out of it
+    arms_along = arms.reshape(len(lines), -1) @ basis
+    pulled = (arms_along != 0.0).any(axis=0) | _left_to_stiffness(robot, basis)
+    moments = np.array([list(map(_moments, robot.rows, shape)) for shape in shapes]).reshape(len(shapes), -1)
+    needed = moments @ basis[:, pulled]
     there, sizes = np.tensordot(shapes, arms, ((1, 2), (1, 2))), np.abs(needed).max(axis=1, initial=1e-300)
     # Tensions t and the lack s: low - s <= t / K <= high + s, and the same of displacements a . q + t / K.
     over = np.concatenate([np.eye(len(lines)), -np.eye(len(lines))] * 2) / np.tile(stiff, 4)[:, None]
@@ -235,7 +237,7 @@ def lacking_stretch(robot: Robot, q: Floats) -> float:
         np.concatenate([bounds[:, 1], -bounds[:, 0]]) / np.tile(stiff, 2), (len(shapes), 2 * len(lines))
     )
     most = np.concatenate([fixed, bounds[:, 3] - there, there - bounds[:, 2]], axis=1)
-    kept, slack, balance = np.isfinite(most[0]), ROUNDING * sizes[:, None], arms[:, pulled].T
+    kept, slack, balance = np.isfinite(most[0]), ROUNDING * sizes[:, None], arms_along[:, pulled].T
     values = np.concatenate([most[:, kept], needed + slack, slack - needed], axis=1)
     of_one = np.concatenate([over[kept], balance, -balance])
     widened = np.tile(np.repeat([-1.0, 0.0], [kept.sum(), 2 * len(balance)]), len(shapes))
@@ -253,23 +255,16 @@ def _elastic(segment: Segment) -> Iterator[tuple[Lines, int]]:
             yield from ((lines, j) for j in range(len(lines.angles)))
 
 
-def _moves(robot: Robot) -> np.ndarray:
-    """Which coordinates (n, 3) can move."""
-    return np.array(robot.drive.coordinates.unlocked)
-
-
-def _stiff(robot: Robot) -> np.ndarray:
-    return np.array([each.stiffness is not None for each in robot.rows])
-
-
-def _driven(robot: Robot) -> np.ndarray:
-    """Which coordinates (n, 3) rigid actuators move."""
+def _left_to_stiffness(robot: Robot, basis: Floats) -> np.ndarray:
+    """Which bends, of the coordinates of a basis (3 n, c), stiffness resists and no rigid actuator holds."""
     names = [each.name for each in robot.actuators]
-    jacobian = robot.drive.jacobian.reshape(len(names), len(robot), 3)
+    jacobian = robot.drive.jacobian.reshape(len(names), -1)
     rigid = np.ones(len(names), np.bool_)
     if robot.drive.elastic is not None:
         rigid[robot.drive.elastic.places] = False
-    return (jacobian[rigid] != 0.0).any(axis=0)
+    driven = (jacobian[rigid] @ basis != 0.0).any(axis=0)
+    bends = np.array([[each.stiffness is not None] * 2 + [False] for each in robot.rows]).ravel()
+    return np.asarray(~driven & (basis[bends] != 0.0).any(axis=0))
 
 
 def _moments(segment: Segment, q: Floats) -> tuple[float, float, float]:

@@ -221,3 +221,14 @@ def test_joints_that_stand_in_one_place_have_a_unit_of_length() -> None:
     assert pointer.mean_length == pytest.approx(math.hypot(0.1, 0.2))
     assert pointer.notes == ()
     assert sn.solve(pointer, sn.Target((0.2, 0.0, -0.1))).solved
+
+
+def test_what_is_brought_within_limits_keeps_its_prismatic_joints() -> None:
+    """Bends that rounding left in the row of one made a revolute joint of it, without any displacement."""
+    joints = [sn.Revolute((0, 1, 0.3)), sn.Prismatic((0, 0, 1), limits=(0.0, 0.1))]
+    lines = sn.Tendons(4, 0.004, displacement=(-0.004, 0.004))
+    robot = sn.Robot([sn.Segment((0.06, 0.13), 2.5, tendons=lines)] * 2, joints=joints)
+    for q in np.random.default_rng(2).normal(0.05, 0.5, (20, len(robot), 3)):
+        found = robot.clamp(q)
+        values, arcs = robot.split(found)
+        np.testing.assert_allclose(robot.tip(found), robot.tip((values, arcs)), atol=1e-12)

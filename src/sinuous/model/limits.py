@@ -240,7 +240,7 @@ class LimitSet:
             When none is found.
         """
         scale = np.tile([1.0, 1.0, self.mean_length / len(q)], len(q))
-        weights, bounds, x = np.empty((0, q.size)), np.empty(0), q
+        weights, bounds, x, own = np.empty((0, q.size)), np.empty(0), q, self._drive.coordinates
         for _ in range(MOST_CUTS):
             if not self.violations(x):
                 return x
@@ -250,6 +250,7 @@ class LimitSet:
             if found is None:
                 break
             x = (found[0] * scale).reshape(q.shape)
+            x[~own.unlocked] = own.origin[~own.unlocked]  # exactly: what bends by rounding is no prismatic joint
         raise InputError("q", "no configuration within all limits was found near it", q.tolist(), "one nearer to them")
 
     def homes(self) -> list[tuple[float, float, float]]:

@@ -5,7 +5,8 @@ length unit of the user, and angles in rad. These names mean the same everywhere
 again:
 
 - `q` (n, 3): a configuration, of each segment the bend (x, y; rad) and the length;
-- `limits` (n, 35): rows of segments; `actuation` (p, 7): rows of limits of actuators, see `tables`;
+- `limits` (n, 35): rows of segments: limits, scales, radii, links; `actuation` (p, 7): rows of limits of actuators, see
+  `tables`;
 - `frames` (n + 1, 12): of the base and of the end of each segment the rotation (9, row after row) and the origin (3);
 - `base` (1, 12), `tool` (1, 12): such a frame of the base in the world, and of the tool in the end of the last segment;
 - `robot` (w,), `scene` (w,), `settings` (w,), `targets` (t, 15): groups, laid out as `tables` says;

@@ -13,7 +13,8 @@ Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", 
 (these come last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE,
 left out. `twist` (m, 6) is `a`, seen from the end of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`,
 for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up to this segment, for HARD: actuators that run through
-several segments see no more than that. `value` (m,). The sweeps fill `gain` (m, 13), whose last is the inverse of the
+several segments see no more than that. Any other row `c . dq` is added after the sweeps, see `step.coupling`. `value`
+(m,). The sweeps fill `gain` (m, 13), whose last is the inverse of the
 variance, and `innovation` (m,).
 """
 

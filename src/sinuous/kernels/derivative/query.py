@@ -153,7 +153,10 @@ def _largest(sides: Array) -> float:
 
 
 def _follow(problem: Problem, asked: Array, lines: Array, work: Workspace, count: int, targets: int) -> int:
-    """Move `work.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status."""
+    """Move `work.moved` on as the first `count` rows ask, `targets` of them those of targets; returns a status.
+
+    KINK where a limit or a contact that is active, but does not push, is called upon.
+    """
     status = 0
     fill_sides(problem, asked, lines, work, count)
     if factorise(problem.limits, work, count, targets) > 0:

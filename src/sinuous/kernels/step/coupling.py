@@ -1,10 +1,12 @@
-"""Self-contacts in the step: rows `c . dq = value` that see two places of the chain, added after the sweeps.
+"""Rows `c . dq = value` that see several segments, added after the sweeps; all of them are self-contacts today.
 
 Let H be the matrix of the damped Gauss-Newton step without them, and L the root of its metric. `H^-1 c` comes from the
 same two sweeps, of the mean `L L' c` with no row asking for anything: covariances and gains do not depend on values, so
 the second time means alone are carried. The step with m such rows is then, exactly (Woodbury),
 
     dq + sum over a of x_a H^-1 c_a,    sum over b of (c_a . H^-1 c_b + mu [a = b]) x_b = value_a - c_a . dq
+
+Of more than `MOST_PAIRS` self-contacts those that overlap the most enter a step; later steps see the others.
 
 `columns` (n, 18) are those of `chain.kinematics`; `weights` (m, 3 n or more) and `pairs` (m, 1 + 3 n) have a row for
 each self-contact.

@@ -17,7 +17,7 @@ from sinuous.kernels.step.dense import dense_size
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
 least clearance seen, how far wishes for clearance are from met, a lower bound of the self-clearance (infinite: it was
-not examined), and the number of self-contacts; then these, see `coupling_of`."""
+not examined), and the number of self-contacts; then a row (1 + 3 n) for each of them, see `coupling_of`."""
 
 Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock", "rest"])
 """Scratch of one solve; `clock`: see `kernels.clock`. `rest` holds what few solves need, in one array: each array costs

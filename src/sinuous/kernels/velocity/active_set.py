@@ -8,7 +8,8 @@ constraint that is violated the most). `H^-1 c` comes from the two sweeps that m
 
 The step is free first; then the constraint that it violates the most is added to the working set, until it violates
 none. Those of contacts and actuators are listed in `bounds`, those of single segments are found when they are
-violated (`bounds.worst_cut`).
+violated (`bounds.worst_cut`). All compete by how much they are violated, in the metric. Where the working set is full,
+the step is left as it is, and `move_within_bounds` brings it within what is left out: it is shorter than the best one.
 
 `start` (n, 3) is where the step begins; `rows` (b, 3 n + 10) are bounds.
 """

@@ -85,7 +85,7 @@ CONSTRAINT_WIDTH = 6
     ACTUATOR_RATE_LIMIT,
     ACCELERATION_LIMIT,
 ) = range(10)
-"""Kinds of constraints."""
+"""Kinds of constraints, in the order of `StepConstraint` of `sinuous.base.arguments`; a new one comes last."""
 
 WorkingSet = namedtuple("WorkingSet", "weights replies about system scratch active listed free pull")
 """Constraints that the step was found to violate, up to r of them: weights `c` (r, 3 n); what a multiplier of 1 moves,

@@ -17,7 +17,7 @@ from sinuous.kernels.fields import distances, solids
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING, TREE
 from sinuous.measures.obstacles import measure
 from sinuous.scene.grids import sample_points
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.triangles import Integers
 from tests.helpers import Floats, kernel_scene, random_rotation, vec, with_each
 from tests.scene import shapes
@@ -191,6 +191,16 @@ def test_a_distance_changes_by_at_most_the_distance_moved(name: str) -> None:
     b = a + rng.normal(size=a.shape) * rng.choice([1e-9, 1e-3, 0.1, 1.0], (len(a), 1))
     change = abs(scene.distance(a) - scene.distance(b))
     assert (change <= np.linalg.norm(a - b, axis=1) + 1e-13).all()
+
+
+@with_each("name", lambda: [name for name in FIELDS if isinstance(case(name).obstacle, Primitive)])
+def test_a_tangent_bounds_the_distance_to_a_primitive(name: str) -> None:
+    """So proofs of arcs beside it may take the tangent; around the body the distance is below it."""
+    scene, rng = sn.Scene([case(name).obstacle]), np.random.default_rng(10)
+    a = np.concatenate([around(11, 1000), close(name, 12, 500)])
+    b = a + rng.normal(size=a.shape) * rng.choice([1e-2, 0.3, 2.0], (len(a), 1))
+    above = scene.distance(b) - scene.distance(a) - (scene.gradient(a) * (b - a)).sum(axis=1)
+    assert ((-above if name in AROUND else above) >= -1e-9).all()
 
 
 @with_each("name", EXACT)

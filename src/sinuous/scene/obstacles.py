@@ -1,4 +1,4 @@
-"""What an obstacle is, and where it is read from; and the exact ones: sphere, box, capsule, cylinder, half-space.
+"""What an obstacle is, and where it is read from; and the exact ones, `PRIMITIVES`.
 
 With `inside=True` the body must stay within.
 """
@@ -193,7 +193,7 @@ class Frame(NamedTuple):
     rotation : ndarray (3, 3)
         Its columns are the axes in the world.
     half : ndarray (3,)
-        Half extents along the axes, without what is rounded.
+        Half extents along the axes, without what is rounded: with that, a box that holds the obstacle.
     rounding : float
         By how much it extends beyond them in every direction.
     """
@@ -206,7 +206,7 @@ class Frame(NamedTuple):
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Primitive(Obstacle):
-    """An obstacle that a few numbers say exactly."""
+    """An obstacle that a few numbers say exactly. It is convex: proofs take a tangent of its distance as a bound."""
 
     _code: ClassVar[int]
     """Its kind in the tables of the kernels."""
@@ -430,7 +430,7 @@ PRIMITIVES: dict[str, type[Primitive]] = {
     "cylinder": Cylinder,
     "half_space": HalfSpace,
 }
-"""Exact obstacles by what problem files call them, see `Obstacle.kind`; tests ask for each of them everywhere."""
+"""Exact obstacles by what problem files call them, see `Obstacle.kind`; where else a kind stands: CONTRIBUTING.md."""
 
 
 def indices_of(kinds: type | tuple[type, ...], obstacles: Sequence[Obstacle]) -> list[int]:

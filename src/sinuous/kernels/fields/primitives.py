@@ -1,4 +1,4 @@
-"""Distances to obstacles that a few numbers say exactly: sphere, capsule, box, cylinder, half-space.
+"""Distances to obstacles that a few numbers say exactly; all of these are convex, see `bound_patch`.
 
 Spheres, capsules and boxes are all one shape, a box of half extents `h`, possibly zero, rounded by `r`; the sphere has
 a kind of its own because it is so common.
@@ -75,7 +75,7 @@ def cylinder(p: Vec, radius: float, half: float) -> tuple[float, Vec]:
 
 
 def _shape(kind: int, rotation: Mat, half: Vec, p: Vec, sign: float) -> tuple[float, Vec]:
-    """Distance to what is no sphere; of an unknown kind, by its sign, the one that lets nothing be clear of it."""
+    """Distance to what is no sphere; of an unknown kind -infinite after the sign: nothing is clear of it."""
     local = vec_mat(p, rotation)
     if kind == BOX:
         d, g = box(local, half)

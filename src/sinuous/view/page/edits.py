@@ -26,7 +26,7 @@ MADE: dict[str, Callable[[Floats, float, Floats], Obstacle]] = {
     "cylinder": lambda center, size, up: Cylinder(center - up, center + up, 0.25 * size),
     "half_space": lambda center, size, up: HalfSpace(center, (0.0, 0.0, 1.0)),
 }
-"""What can be added by hand: made at a place (3,), of a size, of which half is a vector upwards."""
+"""What can be added by hand: of a center (3,), a size, and the vector (0, 0, size / 2)."""
 
 KINDS = tuple(MADE)
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache, lru_cache, partial, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -28,6 +28,7 @@ from sinuous.statics.rest import Rest
 PACKAGE = Path(sn.__file__).parent
 
 Floats = NDArray[np.float64]
+T = TypeVar("T")
 Vec = tuple[float, float, float]
 Mat = tuple[Vec, Vec, Vec]
 
@@ -209,6 +210,12 @@ def make_rows(segments: int, capacity: int) -> Rows:
         np.zeros((capacity, 13)),
         np.zeros(capacity),
     )
+
+
+def present(value: T | None) -> T:
+    """Demand that there is a value, and return it."""
+    assert value is not None
+    return value
 
 
 def states_of(rests: Iterable[Rest]) -> tuple[Floats, ...]:

@@ -11,6 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.answer.remedies import Remedy
+from tests.helpers import present
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
 BENDY = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
@@ -80,8 +81,7 @@ def test_limits_of_actuators_are_named_and_widened() -> None:
     (held,) = (each for each in solution.binding if each.actuator is not None)
     assert (held.constraint, held.segment, held.actuator, held.limit) == ("actuator", 1, "pan", 0.3)
     assert held.value == pytest.approx(0.3)
-    assert solution.actuators is not None
-    assert solution.actuators["pan"] <= 0.3 + 1e-12
+    assert present(solution.actuators)["pan"] <= 0.3 + 1e-12
     assert solution.verify().excess <= 1e-9
     remedy = helped(solution)["actuators.limits of pan and tilt"]
     assert remedy.before == [-0.3, 0.3]
@@ -145,11 +145,9 @@ def test_a_body_that_begins_in_a_closed_lumen_is_told_to_stay_inside() -> None:
     assert "where the body belongs inside lumen, give that inside=True" in str(solution)
     remedy = helped(solution)["inside of lumen"]
     assert (remedy.before, remedy.after) == (False, True)
-    assert remedy.problem is not None
-    assert remedy.problem.scene.obstacles[0].inside
+    assert present(remedy.problem).scene.obstacles[0].inside
     assert solution.reason is not None
-    assert solution.reason.place is not None
-    assert solution.reason.place.to_dict() == {"position": [0.0, 0.0, 0.0], "segment": 1, "share": 0.0}
+    assert present(solution.reason.place).to_dict() == {"position": [0.0, 0.0, 0.0], "segment": 1, "share": 0.0}
     outside = sn.solve(BENDY, sn.Target((0.1, 0.1, 2.5)), [prism(0.05, 4.0)])
     assert outside.status is sn.Status.BASE_BLOCKED
     assert "inside=True" not in str(outside)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.helpers import refused
+from tests.helpers import present, refused
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.05)
 SCENE = sn.Scene([sn.Sphere((1.0, 0.0, 1.0), 0.3, name="lamp")])
@@ -68,8 +68,7 @@ def test_an_answer_speaks_of_the_scene_that_it_was_found_in() -> None:
     assert free.verify().ok
     assert blocked.status is sn.Status.TARGET_BLOCKED
     assert not blocked.verify().ok
-    assert blocked.reason is not None
-    assert blocked.reason.available == pytest.approx(-0.3, abs=1e-2)
+    assert present(blocked.reason).available == pytest.approx(-0.3, abs=1e-2)
     assert blocked.worst is not None
     assert (blocked.worst.constraint, blocked.worst.obstacle) == ("clearance", "camera")
     assert free.problem.scene is not blocked.problem.scene

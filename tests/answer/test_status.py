@@ -8,7 +8,7 @@ import pytest
 from sinuous import Box, Problem, Robot, Scene, Segment, Solver, Sphere, Status, Target, Tolerance, pose
 from sinuous.answer.status import unreachable
 from sinuous.kernels.tables import OUT_OF_REACH
-from tests.helpers import random_pose, with_each
+from tests.helpers import present, random_pose, with_each
 from tests.kernels.solve.test_verdicts import TOLERANCE, extreme, robots, verdict
 
 ROBOT = Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
@@ -85,8 +85,7 @@ def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
     assert solution.reason is not None
     assert (solution.reason.bound, solution.reason.needed) == ("route", 0.1)
     assert solution.reason.available == pytest.approx(0.05)
-    assert solution.reason.obstacle is not None
-    assert solution.reason.obstacle.startswith("box[")
+    assert present(solution.reason.obstacle).startswith("box[")
     assert solution.to_dict()["reason"]["bound"] == "route"
     assert str(solution.reason).startswith(
         "no way from base to target is both wide enough for a body of radius 0.1 and at most 3.6 long, "
@@ -101,8 +100,7 @@ def test_no_route_is_said_of_width_and_length_together_and_no_remedy_contradicts
     robot = Robot([Segment((40, 60), 2.0, radius=8)] * 4)
     solution = Solver(robot, [WALL], time=60.0).solve(Target((0, 0, 190)))
     assert solution.status is Status.NO_ROUTE
-    assert solution.reason is not None
-    assert solution.reason.longest == 240.0
+    assert present(solution.reason).longest == 240.0
     assert "both no longer than the robot and wide enough" in solution.sentence
     changes = {remedy.change.partition(" ")[0] for remedy in solution.explain(time=60.0).remedies}
     assert "length" in changes

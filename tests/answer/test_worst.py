@@ -11,7 +11,7 @@ from sinuous import Box, Problem, Robot, Sphere, Target, pose
 from sinuous.answer.verification import verify
 from sinuous.answer.worst import Worst, contacts_of, find_overlap, find_worst
 from sinuous.measures.body import BodyPlace, least_clearance, segment_ends
-from tests.helpers import Floats, refused, with_each
+from tests.helpers import Floats, present, refused, with_each
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), 1.0, radius=0.1)
 UNITS = {"angle": 1.0, "bend": 1.0, "curvature": 1.0}
@@ -54,9 +54,8 @@ def test_places_are_where_they_say(seed: int) -> None:
     for place, clearance in said:
         assert place is not None
         assert place.segment is not None
-        assert place.share is not None
         part = q.copy()
-        part[place.segment - 1] *= place.share
+        part[place.segment - 1] *= present(place.share)
         assert place.position == pytest.approx(CONTACTS_ROBOT.forward(part)[place.segment - 1, :3, 3], abs=1e-9)
         assert float(problem.scene.distance(place.position)) - 0.06 <= clearance + 1e-9
     assert (worst.place.segment if worst.place else None) == worst.segment

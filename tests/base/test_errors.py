@@ -20,7 +20,7 @@ import sinuous as sn
 from sinuous.base import errors
 from sinuous.base.system import pool_of
 from tests.base.processes import alive, until
-from tests.helpers import refused, with_each
+from tests.helpers import present, refused, with_each
 from tests.public import public_names
 
 ROBOT = sn.Robot.uniform(2, 50)
@@ -141,8 +141,7 @@ def test_a_process_begins_with_what_it_is_given() -> None:
 @pytest.mark.parametrize("end", [signal.SIGTERM, getattr(signal, "SIGKILL", signal.SIGTERM)])
 def test_a_process_ends_however_its_program_ends(end: signal.Signals) -> None:
     with subprocess.Popen([sys.executable, "-c", PROGRAM], stdout=subprocess.PIPE, text=True) as program:
-        assert program.stdout is not None
-        worker = int(program.stdout.readline())
+        worker = int(present(program.stdout).readline())
         assert alive(worker)
         program.send_signal(end)
     assert until(lambda: not alive(worker))

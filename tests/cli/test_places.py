@@ -10,6 +10,7 @@ import sinuous as sn
 from sinuous.studies.designing.search import RobotCandidates
 from sinuous.studies.exploring.explore import _ExplorationRun
 from tests.cli.conftest import Run
+from tests.helpers import present
 from tests.studies.batch.questions import BALL, ROBOT, points, write_csv
 from tests.studies.workspace.maps import ROBOT as MAPPED
 from tests.studies.workspace.maps import WALL
@@ -80,8 +81,7 @@ def test_a_map_is_told_written_and_drawn(run: Run, monkeypatch: pytest.MonkeyPat
     said = re.fullmatch(
         r"sinuous: interrupted; what was found is kept \((.*) solves\), the same command goes on\n", told
     )
-    assert said is not None
-    assert int(said[1].replace(",", "")) >= 5**3
+    assert int(present(said)[1].replace(",", "")) >= 5**3
     assert run(f"{REACH} --directions 3 --out map.npz", 2).err.startswith("--directions: ")
     assert run(f"{REACH} --toward 0,0,1", 2).err.startswith("--toward: cannot be combined with --directions")
     for wrong in ("--toward 0,0", "--toward 0,0,0", "--within 20 --toward 0,0,1", "--within 0.1"):
@@ -124,5 +124,4 @@ def test_a_design_that_is_interrupted_says_how_many_robots_are_kept(run: Run, mo
     said = re.fullmatch(
         r"sinuous: interrupted; what was judged is kept \((\d+) robots\), the same command goes on", told
     )
-    assert said is not None
-    assert int(said[1]) > 0
+    assert int(present(said)[1]) > 0

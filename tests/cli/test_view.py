@@ -13,7 +13,7 @@ import sinuous as sn
 from sinuous.cli.view import is_loopback
 from sinuous.view.page.page import Page
 from tests.cli.conftest import Run
-from tests.helpers import refused
+from tests.helpers import present, refused
 
 
 def test_a_problem_and_a_path_become_pages_and_a_page_remembers(run: Run) -> None:
@@ -66,8 +66,7 @@ def test_a_server_runs_until_it_is_interrupted() -> None:
     typed = f"-m sinuous view easy.yaml --port 0 --no-browser --host {host}"
     command = [sys.executable, *typed.split()]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
-    assert process.stdout is not None
-    address = process.stdout.readline().split()[0]
+    address = present(process.stdout).readline().split()[0]
     assert address.startswith(f"http://{host}:")
     with urllib.request.urlopen(address.replace("0.0.0.0", "127.0.0.1")) as page:
         assert b"</html>" in page.read()

@@ -8,7 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.files.nouns import HEADERS, parse_path
-from tests.helpers import with_each
+from tests.helpers import present, with_each
 
 
 def read(folder: Path, moving: str) -> sn.Moving:
@@ -23,8 +23,7 @@ def test_a_list_of_times_and_poses(tmp_path: Path) -> None:
     places = read(tmp_path, "[[0, [1, 2, 3]], [2.5, [4, 5, 6]]]")
     assert places.equals(sn.Moving(sn.Sphere((0, 0, 0), 1.0, name="ball"), [0, 2.5], [(1, 2, 3), (4, 5, 6)]))
     turns = read(tmp_path, "[[0, {position: [1, 2, 3]}], [1, {rotation: [0, 1, 0, 0]}], [2, {xyzw: [0, 0, 1, 0]}]]")
-    assert turns.rotations is not None
-    np.testing.assert_allclose(turns.rotations[1:], [np.diag([1, -1, -1]), np.diag([-1, -1, 1])])
+    np.testing.assert_allclose(present(turns.rotations)[1:], [np.diag([1, -1, -1]), np.diag([-1, -1, 1])])
     np.testing.assert_allclose(turns.positions, [(1, 2, 3), (0, 0, 0), (0, 0, 0)])
 
 
@@ -33,8 +32,7 @@ def test_a_table_of_them(tmp_path: Path) -> None:
     assert read(tmp_path, "way.csv").equals(read(tmp_path, "[[0, [1, 2, 3]], [2, [4, 5, 6]]]"))
     (tmp_path / "turn.csv").write_text("t,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,0,0,0,0,0,0,1\n")
     turned = read(tmp_path, "turn.csv").rotations
-    assert turned is not None
-    np.testing.assert_allclose(turned[1], np.diag([-1, -1, 1]))
+    np.testing.assert_allclose(present(turned)[1], np.diag([-1, -1, 1]))
 
 
 @pytest.mark.parametrize(
@@ -80,8 +78,7 @@ def test_columns_may_stand_in_any_order_with_any_separator() -> None:
 
 def test_a_column_in_front_has_times() -> None:
     targets, times = parse_path("t,x,y,z,dx,dy,dz\n0.5,1,2,3,0,0,2\n2,4,5,6,0,1,0\n")
-    assert times is not None
-    assert times.tolist() == [0.5, 2.0]
+    assert present(times).tolist() == [0.5, 2.0]
     assert [
         target.equals(wanted)
         for target, wanted in zip(

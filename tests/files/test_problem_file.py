@@ -10,6 +10,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.motion.job import read_problem
+from tests.helpers import present
 from tests.scene.shapes import cube, obj, together
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
@@ -79,10 +80,8 @@ def test_every_key_arrives(read: Read) -> None:
     np.testing.assert_allclose(robot.base, sn.pose((1, 2, 3), direction=(1, 0, 0)))
     np.testing.assert_allclose(robot.tool, sn.pose((0, 0, 0.5), rotation=(1, 0, 0, 1)))
     tendons, chambers = robot.segments[2].tendons, robot.segments[3].chambers
-    assert tendons is not None
-    assert chambers is not None
-    assert tendons.displacement == (-0.1, 0.1)
-    np.testing.assert_allclose(chambers.angles, [0, 2, 4])
+    assert present(tendons).displacement == (-0.1, 0.1)
+    np.testing.assert_allclose(present(chambers).angles, [0, 2, 4])
     assert [type(obstacle) for obstacle in scene.obstacles] == [
         sn.Sphere,
         sn.Box,
@@ -95,8 +94,7 @@ def test_every_key_arrives(read: Read) -> None:
     assert (problem.tolerance.position, problem.tolerance.angle) == (1e-3, 0.01)
     assert (problem.prefer.start, problem.prefer.bends, problem.prefer.clearance) == (1.0, 0.5, 0.1)
     assert problem.rates.equals(sn.Rates(bend=1.5, length=(1, 2, 3, 4), acceleration=sn.Rates(bend=10)))
-    assert problem.start is not None
-    assert problem.start.shape == (4, 3)
+    assert present(problem.start).shape == (4, 3)
 
 
 def test_obstacles_from_files_are_found_beside_the_problem(read: Read, tmp_path: Path) -> None:
@@ -162,8 +160,7 @@ def test_a_path_may_be_a_list_or_a_table_beside_the_problem(read: Read) -> None:
 
 def test_times_stand_in_the_file_or_in_the_table_of_the_path(read: Read) -> None:
     listed = read(ROBOT + PATH + "times: [0, 2.5]")
-    assert listed.times is not None
-    assert listed.times.tolist() == [0.0, 2.5]
+    assert present(listed.times).tolist() == [0.0, 2.5]
     assert listed.equals(read(ROBOT + "path: timed.csv"))
     assert read(ROBOT + PATH).times is None
 

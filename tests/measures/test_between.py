@@ -25,7 +25,7 @@ from sinuous.measures.following import (
 )
 from sinuous.measures.following import body_places as places_of
 from sinuous.scene.scene import as_snapshot
-from tests.helpers import Floats
+from tests.helpers import Floats, present
 from tests.kernels.body.test_self_proof import curled, sampled
 
 ARM = sn.Robot.uniform(3, (0.5, 1.5), 6.0, radius=0.05, base=sn.pose((1, 2, 3), direction=(1, 1, 0)))
@@ -114,12 +114,10 @@ def test_a_hairpin_touches_itself_where_it_says() -> None:
     tighter[2, 0] = 0.6
     gap, segments, place = measured(robot, tighter)
     assert gap < 0.0
-    assert segments is not None
-    assert segments[1] == 3
+    assert present(segments)[1] == 3
     assert place is not None
     assert place.segment == 3
-    assert place.share is not None
-    cut = np.concatenate([tighter[:2], tighter[2:] * place.share])
+    cut = np.concatenate([tighter[:2], tighter[2:] * present(place.share)])
     assert place.position == pytest.approx(robot.forward(cut)[-1, :3, 3], abs=1e-9)
 
 

@@ -19,7 +19,7 @@ from sinuous.motion.configurations import random_configuration, within_limits
 from sinuous.motion.report import Report
 from sinuous.motion.shortening import metric_of
 from sinuous.solver.certificates.steps import Steps
-from tests.helpers import Floats, refused, with_each
+from tests.helpers import Floats, present, refused, with_each
 
 ROBOT = sn.Robot([sn.Segment((0.8, 1.2), 2.0, radius=0.05, tendons=sn.Tendons(3, 0.04)) for _ in range(3)])
 BALL = sn.Sphere((0.9, 0.0, 1.2), 0.3, name="ball")
@@ -32,9 +32,8 @@ def test_one_made_of_knots_is_proved() -> None:
     motion = sn.Motion(ROBOT, KNOTS, [BALL], times=[0.0, 0.5, 2.0])
     assert motion.solved
     assert (motion.between, motion.unproved_steps) == ("proved", ())
-    assert motion.clearance is not None
     sampled = min(sn.Scene([BALL]).distance(ROBOT.backbone(q)).min() for q in motion.at(np.linspace(0.0, 2.0, 200)))
-    assert 0.0 < motion.clearance <= sampled - 0.05 + 1e-12
+    assert 0.0 < present(motion.clearance) <= sampled - 0.05 + 1e-12
     assert motion.actuators.shape == (3, 9)
     assert (motion.solutions, motion.waypoint_knots) == ((), ())
 
@@ -213,8 +212,7 @@ def test_it_gets_easier_and_stays_proved(shortest: Shortest) -> None:
     assert short.solved
     assert all(verification.ok for verification in short.verify())
     for solution, knot in zip(short.solutions, short.waypoint_knots, strict=True):
-        assert knot is not None
-        np.testing.assert_array_equal(short.q[knot], solution.q)
+        np.testing.assert_array_equal(short.q[present(knot)], solution.q)
     tips = FOUR.tip(short.q)[:, :3, 3]
     np.testing.assert_allclose(tips, FOUR.tip(plain.q)[:, :3, 3], atol=2e-3)
 

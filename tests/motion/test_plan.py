@@ -14,7 +14,7 @@ from sinuous.kernels.certificate.query import CLEARANCES
 from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.motion.planning import planners
 from sinuous.solver.certificates.steps import prove_steps
-from tests.helpers import refused
+from tests.helpers import present, refused
 from tests.motion.planning.places import STRETCHING as ROBOT
 from tests.motion.planning.places import pair
 
@@ -34,11 +34,10 @@ def test_a_plan_to_a_configuration_is_proved_and_judged_clear() -> None:
         assert again.proved.all()
         tight = prove_steps(ROBOT, scene.snapshot(), motion.q, slack=0.01).clearances.min()
         assert motion.clearance is not None
-        assert motion.self_clearance is not None
         assert max(0.0, 0.89 * tight) < motion.clearance
         assert motion.clearance == pytest.approx(again.clearances.min(), rel=0.2)
         own = again.answers[:, CLEARANCES + CLEARANCES_WIDTH + PROVED_BOUND].min()
-        assert motion.self_clearance == pytest.approx(own, rel=0.2)
+        assert present(motion.self_clearance) == pytest.approx(own, rel=0.2)
         assert wrong_in(ROBOT, scene, motion.q) == ""
         assert max(ROBOT.excess(q) for q in motion.q) < 1e-12
         knots.append(len(motion.q))
@@ -143,16 +142,13 @@ def test_a_start_that_is_blocked_is_said_to_be() -> None:
     motion = sn.plan(ROBOT, STRAIGHT, bent, ball)
     assert motion.status is sn.Status.START_BLOCKED
     assert not motion.solved
-    assert motion.worst is not None
-    assert motion.worst.obstacle == "ball"
+    assert present(motion.worst).obstacle == "ball"
     beyond = sn.plan(ROBOT, [[0.0, 0.0, 1.5]] * 4, STRAIGHT)
     assert beyond.status is sn.Status.START_BLOCKED
-    assert beyond.worst is not None
-    assert beyond.worst.constraint == "length"
+    assert present(beyond.worst).constraint == "length"
     curled = sn.plan(ROBOT, [[2.8, 0.0, 1.0]] * 4, STRAIGHT)
     assert curled.status is sn.Status.START_BLOCKED
-    assert curled.worst is not None
-    assert curled.worst.constraint == "self_clearance"
+    assert present(curled.worst).constraint == "self_clearance"
 
 
 def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() -> None:
@@ -160,8 +156,7 @@ def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() 
     bent = [[1.0, 0.0, 1.0]] * 4
     motion = sn.plan(ROBOT, bent, STRAIGHT, ball)
     assert motion.status is sn.Status.TARGET_BLOCKED
-    assert motion.worst is not None
-    assert motion.worst.obstacle == "ball"
+    assert present(motion.worst).obstacle == "ball"
     with pytest.raises(
         sn.InputError,
         match=r"^goal: length of segment 1 is 0.3 beyond its limit; expected a configuration within all limits",
@@ -216,7 +211,5 @@ def test_another_unit_of_length_changes_nothing() -> None:
         to = np.array([1.0, 1.0, unit])
         motion, scaled = sn.plan(robot, start, goal, scene), sn.plan(other, start * to, goal * to, far)
         np.testing.assert_array_equal(scaled.q, motion.q * to)
-        assert motion.clearance is not None
-        assert motion.self_clearance is not None
-        assert scaled.clearance == unit * motion.clearance
-        assert scaled.self_clearance == unit * motion.self_clearance
+        assert scaled.clearance == unit * present(motion.clearance)
+        assert scaled.self_clearance == unit * present(motion.self_clearance)

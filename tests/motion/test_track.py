@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.motion.knots import TipLine
-from tests.helpers import with_each
+from tests.helpers import present, with_each
 from tests.motion.test_departure import ACROSS, PLATE, ROBOT
 
 CIRCLE = [
@@ -28,8 +28,7 @@ def test_every_waypoint_is_solved_and_verifies() -> None:
     assert all(verification.ok for verification in track.verify())
     assert track.between == "proved"
     assert track.unproved_steps == ()
-    assert track.clearance is not None
-    assert 0.0 < track.clearance <= min(solution.clearance or 0.0 for solution in track.solutions)
+    assert 0.0 < present(track.clearance) <= min(solution.clearance or 0.0 for solution in track.solutions)
     assert track.raise_for_status() is track
 
 
@@ -60,8 +59,7 @@ def test_where_an_obstacle_is_in_the_way_the_robot_goes_around() -> None:
     sampled = track.at(np.linspace(0.0, 3.0, 2000))
     assert sn.Scene([PLATE]).distance(ROBOT.backbone(sampled)).min() > 0.05
     for solution, knot in zip(track.solutions, track.waypoint_knots, strict=True):
-        assert knot is not None
-        np.testing.assert_array_equal(track.q[knot], solution.q)
+        np.testing.assert_array_equal(track.q[present(knot)], solution.q)
 
 
 def test_a_way_around_that_was_searched_for_once_is_walked_from_then_on(monkeypatch: pytest.MonkeyPatch) -> None:

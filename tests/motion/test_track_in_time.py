@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from tests.helpers import present
 from tests.motion.timed_judge import least_clearance
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, max_bend=2.5)
@@ -26,8 +27,7 @@ def test_a_path_is_followed_in_time(started: bool) -> None:
     for solution, when in zip(motion.solutions, TIMES.tolist(), strict=True):
         assert solution.problem.scene.equals(motion.scene.at(when))
         assert solution.verify().ok
-    assert motion.clearance is not None
-    assert 0.0 < motion.clearance <= least_clearance(motion) + 1e-9
+    assert 0.0 < present(motion.clearance) <= least_clearance(motion) + 1e-9
     assert sn.Motion(ROBOT, motion.q, [PASSING], motion.times).between == "proved"
 
 
@@ -35,8 +35,7 @@ def test_where_an_obstacle_blocks_the_path_it_is_said() -> None:
     motion = sn.track(ROBOT, PATH, [BLOCKING], times=TIMES)
     assert not motion.solved
     assert motion.status is sn.Status.TARGET_BLOCKED
-    assert motion.worst is not None
-    assert motion.worst.obstacle == "sphere[0]"
+    assert present(motion.worst).obstacle == "sphere[0]"
     hit = sn.Moving(sn.Sphere((0, 0, 0), 0.5), [0], [tuple(ROBOT.tip(START)[:3, 3])])
     assert sn.track(ROBOT, PATH, [hit], start=START).status is sn.Status.START_BLOCKED
 

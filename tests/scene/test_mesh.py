@@ -13,7 +13,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.obstacles import measure
 from sinuous.scene import mesh_files, triangles
-from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each, with_each
+from tests.helpers import NOT_NUMBERS, present, random_rotation, refused, refused_each, with_each
 from tests.scene.shapes import ball, cube, inverted, soup, together, torus
 
 trimesh = pytest.importorskip("trimesh")
@@ -336,8 +336,7 @@ def test_decimation_in_files_is_said_and_kept(tmp_path: Path) -> None:
     pytest.importorskip("fast_simplification")
     trimesh.Trimesh(*torus(1.0, count=(30, 30), bumps=0.03), process=False).export(tmp_path / "a.ply")
     mesh = sn.Mesh.load(tmp_path / "a.ply", 10.0, decimate=1.0)
-    assert mesh.source is not None
-    assert mesh.source.arguments["decimate"] == 1.0
+    assert present(mesh.source).arguments["decimate"] == 1.0
     assert 0.0 < mesh.margin <= 1.0
     assert mesh._box[1, 0] >= mesh.vertices[:, 0].max() + mesh.margin
     assert mesh.decimated(1e-9) is mesh

@@ -9,7 +9,7 @@ from sinuous.measures import body
 from sinuous.measures.body import BodyPlace, body_places, segment_ends
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.snapshot import room_at
-from tests.helpers import Floats
+from tests.helpers import Floats, present
 from tests.solver.test_live import MADE
 
 SCENES: dict[str, list[Obstacle]] = {
@@ -32,9 +32,8 @@ def bent(rng: np.random.Generator) -> Floats:
 def standing(q: Floats, place: BodyPlace) -> Floats:
     """Where (3,) a place is said to be: at the end of a body that is cut off there."""
     assert place.segment is not None
-    assert place.share is not None
     part = q.copy()
-    part[place.segment - 1] *= place.share
+    part[place.segment - 1] *= present(place.share)
     end: Floats = ROBOT.forward(part)[place.segment - 1, :3, 3]
     return end
 

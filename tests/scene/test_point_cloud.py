@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from sinuous.base.errors import InputError, SuspiciousInput
 from sinuous.scene.point_cloud import PointCloud, expand_lzf, parse_pcd
-from tests.helpers import NOT_NUMBERS, Unpickled, random_rotation, refused, refused_each, with_each
+from tests.helpers import NOT_NUMBERS, Unpickled, present, random_rotation, refused, refused_each, with_each
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)).round(3)
 
@@ -138,8 +138,7 @@ def test_points_that_are_not_finite_are_dropped_where_asked(tmp_path: Path) -> N
     np.save(tmp_path / "scan.npy", places)
     loaded = PointCloud.load(tmp_path / "scan.npy", 1.0, invalid="drop")
     np.testing.assert_array_equal(loaded.points, POINTS[kept])
-    assert loaded.source is not None
-    assert loaded.source.arguments["invalid"] == "drop"
+    assert present(loaded.source).arguments["invalid"] == "drop"
     refused("points", lambda: PointCloud(np.full((2, 3), np.nan), 1.0, invalid="drop"), "at least one point")
 
 

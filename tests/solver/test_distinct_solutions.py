@@ -11,6 +11,7 @@ import sinuous as sn
 from benchmarks.places import Place, make
 from sinuous.base.checks import Floats
 from sinuous.scene.obstacles import Obstacle
+from tests.helpers import present
 from tests.solver.route_classes.places import BARS, DOORS, ROBOT, TARGET, bars, crossing, pillar, wall
 
 
@@ -87,12 +88,10 @@ def test_by_shape_all_distinct_ones_are_found_and_named() -> None:
     assert len(found) > 4
     sides: dict[int, set[int | None]] = {}
     for solution in found:
-        assert solution.route_class is not None
         (side,) = gap(solution.q, 150.0, (0.0,)) or (None,)
-        sides.setdefault(solution.route_class.number, set()).add(side)
+        sides.setdefault(present(solution.route_class).number, set()).add(side)
     assert all(len(own) == 1 for own in sides.values())
-    assert found[0].route_class is not None
-    assert found[0].route_class.number == 1
+    assert present(found[0].route_class).number == 1
 
 
 def test_without_obstacles_shapes_are_distinct_and_have_no_class() -> None:

@@ -20,7 +20,7 @@ from sinuous.kernels.certificate.sweep import CLEARANCES_WIDTH, PROVED_BOUND
 from sinuous.kernels.chain.rates import MOTION_RATES_WIDTH, measure_rates
 from sinuous.model.joints import Fixed, Joint, Prismatic, Revolute
 from sinuous.solver.certificates.steps import Prover
-from tests.helpers import kernel_problem
+from tests.helpers import kernel_problem, present
 
 PANDA = [
     (0.0, 0.333, 0.0, (-2.8973, 2.8973)),
@@ -149,10 +149,8 @@ def test_bodies_among_obstacles_are_proved_clear_and_no_claim_is_false() -> None
         found = sn.solve(robot, sn.Target(goal[:3, 3], rotation=goal[:3, :3]), scene, time=1.0)
         if found.solved:
             solved += 1
-            assert found.clearance is not None
-            assert found.self_clearance is not None
-            assert 0.0 < found.clearance <= clearance_of(robot, found.configuration, scene) + 1e-3
-            assert 0.0 < found.self_clearance <= self_gap_of(robot, found.configuration) + 1e-2
+            assert 0.0 < present(found.clearance) <= clearance_of(robot, found.configuration, scene) + 1e-3
+            assert 0.0 < present(found.self_clearance) <= self_gap_of(robot, found.configuration) + 1e-2
             assert found.verify().ok
     assert solved >= 3
 
@@ -298,12 +296,10 @@ def test_what_holds_back_has_the_name_of_its_joint_or_link() -> None:
     start = [0.1, 0.0], [[0.1, 0.0, 20.0]] * 3
     blocked = sn.Motion(bronchoscope(), [start, ([0.2, 5.0], start[1])], [shaft])
     assert str(blocked.worst).startswith("step 1, at time 0.25: link 'feed' lacks")
-    assert blocked.worst is not None
-    assert blocked.worst.segment == "feed"
+    assert present(blocked.worst).segment == "feed"
     found = blocked.verify()[-1]
     assert found.segment == "feed"
-    assert found.place is not None
-    assert found.place.segment == "feed"
+    assert present(found.place).segment == "feed"
     said = sn.plan(bronchoscope(), ([9.0, 0.0], start[1]), start).worst
     assert str(said).startswith("joint 'roll' is 6 beyond its limit")
 
@@ -317,8 +313,7 @@ def test_targets_of_segments_count_segments() -> None:
         assert found.verify().ok
         for k in (1, 2):
             goal = targets[k - 1].position
-            assert goal is not None
-            miss = robot.forward(found.q, found.joints)[k - 4, :3, 3] - goal
+            miss = robot.forward(found.q, found.joints)[k - 4, :3, 3] - present(goal)
             assert np.linalg.norm(miss) <= 1e-4 * robot.mean_length * 1.001
     many = sn.Solver(robot).solve_many([targets] * 2)
     assert many.solved.all()

@@ -9,7 +9,7 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
 from sinuous.base.checks import Floats
-from tests.helpers import with_each
+from tests.helpers import present, with_each
 
 ROD = sn.Stiffness(bend=0.01, twist=0.008)
 GRAVITY = (0.0, 0.0, -9.81)
@@ -37,8 +37,7 @@ def test_the_loaded_body_meets_the_target(kind: str) -> None:
     solution = sn.solve(robot, target)
     assert solution.solved, solution
     assert solution.verify().ok
-    assert solution.shape is not None
-    assert solution.shape.tip[:3, 3] == pytest.approx(tip[:3, 3], abs=3e-5)
+    assert present(solution.shape).tip[:3, 3] == pytest.approx(tip[:3, 3], abs=3e-5)
     assert np.linalg.norm(robot.tip(solution.q)[:3, 3] - tip[:3, 3]) > 0.01, "nothing bends it"
 
 
@@ -77,8 +76,7 @@ def test_the_loaded_body_is_clear_of_obstacles() -> None:
     assert sn.check(robot, Q, [near]).ok
     solution = sn.solve(robot, sn.Target(shape.tip[:3, 3]), [near], initial=Q)
     assert solution.solved, solution
-    assert solution.clearance is not None
-    assert 0.0 < solution.clearance <= solution.verify().clearance
+    assert 0.0 < present(solution.clearance) <= solution.verify().clearance
     inside = sn.solve(robot, sn.Target(shape.tip[:3, 3]), [sn.Sphere(shape.tip[:3, 3], 0.02)], time=0.1)
     assert not inside.solved
     assert inside.worst is not None
@@ -115,8 +113,7 @@ def test_limits_of_actuators_are_rows_of_each_correction() -> None:
 def test_what_cannot_be_reached_is_not_solved() -> None:
     far = sn.solve(arm(), sn.Target((0.0, 0.0, 0.5)), time=0.2)
     assert not far.solved
-    assert far.worst is not None
-    assert far.worst.constraint == "position"
+    assert present(far.worst).constraint == "position"
     assert far.binding == ()
     assert f"{far.position_error:.4g}" in str(far.explain(time=0.05)), "the loaded body is what misses the target"
 
@@ -135,8 +132,7 @@ def test_tensions_under_load_are_within_their_limits() -> None:
     target = sn.Target(free.shape(Q).tip[:3, 3])
     found = sn.solve(free, target, initial=Q)
     assert found.solved
-    assert found.tensions is not None
-    most = max(found.tensions.values())
+    most = max(present(found.tensions).values())
     alone = max(free.to_actuators(found.q))
     assert most > 0.0
     assert alone > 0.0
@@ -146,8 +142,7 @@ def test_tensions_under_load_are_within_their_limits() -> None:
     held = sn.solve(less, target, initial=Q, time=20.0, max_starts=1)
     assert held.solved, held
     assert held.verify().ok
-    assert held.tensions is not None
-    assert 0.9**2 * most < max(held.tensions.values()) <= 0.9 * most * (1.0 + 1e-9)
+    assert 0.9**2 * most < max(present(held.tensions).values()) <= 0.9 * most * (1.0 + 1e-9)
 
 
 @with_each("share", [0.99, 0.95])

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 import sinuous as sn
 from benchmarks.judges.cosserat import shoot
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, present, refused
 
 ROD = sn.Stiffness(bend=1.0, twist=0.7, stretch=40.0)
 SOFT: dict[str, Any] = {"stiffness": ROD, "mass": 0.3, "arcs": 4, "gravity": (0.3, 0.0, -2.0)}
@@ -119,9 +119,8 @@ def test_a_robot_that_stands_elsewhere_in_a_world_that_is_turned_is_shaped_alike
     turn[:3, :3] = expm(np.cross(np.eye(3), [0.5, -1.0, 0.8]))
     turn[:3, 3] = 5.0, -3.0, 2.0
     robot = arm()
-    assert robot.gravity is not None
     here = robot.shape(SHAPE, FORCE)
-    there = robot.changed(base=turn, gravity=turn[:3, :3] @ robot.gravity)
+    there = robot.changed(base=turn, gravity=turn[:3, :3] @ present(robot.gravity))
     moved = there.shape(SHAPE, FORCE.changed(force=turn[:3, :3] @ FORCE.force))
     assert moved.states == pytest.approx(here.states, abs=1e-9)
     assert moved.tip == pytest.approx(turn @ here.tip, abs=1e-9)
@@ -129,12 +128,11 @@ def test_a_robot_that_stands_elsewhere_in_a_world_that_is_turned_is_shaped_alike
 
 def test_more_arcs_come_nearer_to_a_cosserat_rod_with_their_square() -> None:
     robot = arm()
-    assert robot.gravity is not None
     load = sn.Force((0.4, -0.6, 0.3), (0.2, 0.1, -0.3))
     curvatures = np.array([[-y / length, x / length, 0.0] for x, y, length in SHAPE])
     loads = np.zeros((2, 6))
     loads[1] = [*load.force, *load.moment]
-    weights = np.tile(0.3 * robot.gravity, (2, 1))
+    weights = np.tile(0.3 * present(robot.gravity), (2, 1))
     true = shoot(SHAPE[:, 2], np.array([[1.0, 0.7, 40.0]] * 2), curvatures, weights, loads, np.eye(4))
     shapes = [robot.changed(arcs=m).shape(SHAPE, load) for m in (2, 4, 8, 16)]
     errors = [np.abs(found.poses - true).max() for found in shapes]

@@ -9,7 +9,7 @@ import sinuous as sn
 from benchmarks.problems import PAPER_POSES, arm
 from sinuous import methods
 from sinuous.methods.opti_path.gradient import PotentialKind
-from tests.helpers import refused
+from tests.helpers import present, refused
 
 EXACT = sn.Tolerance(1e-9, 0.0175)
 DOWN = (0.0, 0.0, -1.0)
@@ -61,8 +61,7 @@ def test_a_goal_straight_ahead_needs_a_bow() -> None:
     stuck = solve_from_the_arc(target, bow=0.0)
     assert not stuck.solved
     assert largest_bend(stuck) == pytest.approx(0.0, abs=1e-9)
-    assert stuck.worst is not None
-    assert stuck.worst.constraint == "length"
+    assert present(stuck.worst).constraint == "length"
     bowed = solve_from_the_arc(target)
     assert bowed.solved
     assert bowed.verify().ok
@@ -117,8 +116,7 @@ def test_obstacles_are_kept_away_from_by_the_body_between_its_points() -> None:
     assert felt.solved
     assert felt.verify().ok
     assert blind.status is sn.Status.BLOCKED
-    assert blind.worst is not None
-    assert blind.worst.constraint == "clearance"
+    assert present(blind.worst).constraint == "clearance"
 
 
 def test_a_grid_that_is_too_fine_is_refused() -> None:
@@ -135,10 +133,9 @@ def test_everything_scales_with_the_robot() -> None:
     small_scene = [sn.Sphere((0.02, 0.04, -0.15), 0.025)]
     for target in poses()[:3]:
         large = sn.solve(arm(5, np.pi), target, scene, method="opti_path", tolerance=EXACT)
-        assert target.position is not None
         small = sn.solve(
             sn.Robot.uniform(5, (0.045, 0.07), base=sn.pose(direction=DOWN)),
-            sn.Target(0.001 * target.position, direction=target.direction),
+            sn.Target(0.001 * present(target.position), direction=target.direction),
             small_scene,
             method="opti_path",
             tolerance=sn.Tolerance(1e-12, 0.0175),

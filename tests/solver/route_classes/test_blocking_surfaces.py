@@ -9,7 +9,7 @@ import sinuous as sn
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solver.route_classes.curves import RouteCurves
 from sinuous.solver.route_classes.passages import Passage, SurfaceBounds, make_blocking_surface, passages, refined
-from tests.helpers import Floats
+from tests.helpers import Floats, present
 from tests.solver.route_classes.places import ACROSS, DOORS, ROBOT, thin_wall, wall
 
 ENDS = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 250.0)])
@@ -22,8 +22,7 @@ def curves(scene: list[Obstacle]) -> RouteCurves:
 
 def made(own: RouteCurves, passage: Passage, bounds: SurfaceBounds) -> sn.Mesh:
     closing = make_blocking_surface(own, passage, bounds)
-    assert closing is not None
-    return closing
+    return present(closing)
 
 
 def line(*corners: tuple[float, float, float], count: int = 120) -> Floats:

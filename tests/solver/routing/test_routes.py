@@ -14,7 +14,7 @@ from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.solver.attempts import IKQuery, RandomRestarts, StartBatch
 from sinuous.solver.routing.searches import CELLS, MEMORY, FoundRoutes, Searches
 from sinuous.solver.strategy import attempts_of, plans_of
-from tests.helpers import Floats
+from tests.helpers import Floats, present
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 HIDDEN = np.array([[0.9, 0.2, 1.0], [-0.8, 1.2, 1.1], [0.3, -1.5, 0.9], [1.2, 0.4, 1.0], [-1.0, -0.9, 1.0]])
@@ -64,8 +64,7 @@ def batches_of(finder: Searches, asked: IKQuery, *without: str) -> Iterator[Star
 def first(finder: Searches, asked: sn.Problem) -> FoundRoutes:
     """What the quickest plan finds."""
     query = finder.query(asked)
-    assert query is not None
-    return finder.find(asked, query, finder.coarse, 60.0)
+    return finder.find(asked, present(query), finder.coarse, 60.0)
 
 
 def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Target) -> None:
@@ -100,8 +99,7 @@ def test_a_robot_much_longer_than_its_route_is_stowed_beside_it() -> None:
     scene = Scene([Box(middle, size) for middle, size in walls])
     asked, finder = problem(robot, Target((0.3, 0.0, 2.6)), scene), router(robot, scene)
     query = finder.query(asked)
-    assert query is not None
-    route = finder.find(asked, query, finder.fine, 60.0).routes[0]
+    route = finder.find(asked, present(query), finder.fine, 60.0).routes[0]
     assert np.linalg.norm(np.diff(route, axis=0), axis=1).sum() < 3.1
     solution = Solver(robot, scene, time=60.0, max_starts=30).solve(Target((0.3, 0.0, 3.0)))
     assert (solution.status, solution.start) == (Status.SOLVED, "route")

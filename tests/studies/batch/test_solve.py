@@ -11,7 +11,7 @@ import pytest
 import sinuous as sn
 from sinuous.studies.batch.batch import Batch
 from sinuous.studies.batch.tables.results import STATUSES
-from tests.helpers import refused
+from tests.helpers import present, refused
 from tests.studies.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
 
 COUNT = 130
@@ -134,8 +134,7 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     batch = solve(points(10), initial=q)
     rows = [row for row in range(10) if row not in BAD]
     expected = sn.Solver(ROBOT, [BALL], **OPTIONS).solve_many(positions=points(10)[rows], initial=q)
-    assert batch.results is not None
-    np.testing.assert_array_equal(batch.results["q"][rows], expected.q)
+    np.testing.assert_array_equal(present(batch.results)["q"][rows], expected.q)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from sinuous.model.segment import straight
 from sinuous.studies.designing import find
 from sinuous.studies.designing.design import Design
 from sinuous.studies.designing.search import RobotCandidates, RobotSearch, Space
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, present, refused
 
 TEMPLATE = sn.Robot.uniform(3, 100.0, max_bend=2.0, radius=2.0, tendons=sn.Tendons(3, 2.0))
 TASKS = {
@@ -62,8 +62,7 @@ def most_of(minimise: str, robot: sn.Robot, answers: Floats) -> float:
     shapes = np.concatenate([answers, straight(robot.segments)[None]])
     if minimise == "travel":
         return float(np.ptp(robot.to_actuators(shapes), axis=0).max())
-    assert robot.drive.elastic is not None
-    return float(np.abs(robot.drive.elastic.balance(shapes).tensions).max())
+    return float(np.abs(present(robot.drive.elastic).balance(shapes).tensions).max())
 
 
 @pytest.mark.parametrize(
@@ -149,8 +148,7 @@ def test_fields_are_ranges_lists_and_elements() -> None:
     assert robot.segments[1].length == (90.0, 90.0)
     assert Space(TEMPLATE, {"segments.length": {"range": [50, 150]}}).shares_of(TEMPLATE) is not None
     widest = space.widest((80.0,))
-    assert widest is not None
-    assert widest[1] == 10.0
+    assert present(widest)[1] == 10.0
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from sinuous.view.display.surfaces import MOST_POINTS, Dotted, obstacle_surface,
 from sinuous.view.page.model import PageModel
 from sinuous.view.page.status import find_nearest, judge_shape
 from sinuous.view.pictures.paint import normals_of
-from tests.helpers import Floats, with_each
+from tests.helpers import Floats, present, with_each
 from tests.scene.shapes import EACH_KIND
 
 pytest.importorskip("matplotlib")
@@ -130,9 +130,8 @@ def test_the_page_tells_what_holds_of_the_loaded_body() -> None:
     assert judged.position_error == pytest.approx(0.0, abs=1e-9)
     assert judged.angle_error == pytest.approx(0.0, abs=1e-7)
     near = find_nearest(HANGING, sn.Scene([NEAR_BALL]).snapshot(), Q)
-    assert near is not None
     least = (np.linalg.norm(shape.backbone(16) - [0.35, 0.0, -0.2], axis=-1)).min() - 0.05 - 0.012
-    assert near.distance == pytest.approx(least, abs=1e-4)
+    assert present(near).distance == pytest.approx(least, abs=1e-4)
     page = PageModel(sn.Job(HANGING, sn.Target(direction=(1, 0, 0)), start=Q))
     np.testing.assert_allclose(page.target_frame(0)[:3, 3], shape.tip[:3, 3], atol=1e-9)
 

@@ -24,7 +24,7 @@ from sinuous.view.page.edits import KINDS, make_obstacle, move_obstacle, pose_of
 from sinuous.view.page.panel import Fields
 from sinuous.view.page.session import Worker
 from sinuous.view.page.status import find_nearest
-from tests.helpers import Floats, random_pose, refused
+from tests.helpers import Floats, present, random_pose, refused
 from tests.scene.shapes import EACH_KIND
 
 RNG = np.random.default_rng(0)
@@ -75,9 +75,7 @@ def test_a_new_obstacle_is_of_its_kind_and_its_sizes_can_be_set(kind: str) -> No
         other = resize_obstacle(obstacle, **{label.replace(" ", "_"): 2.0 * value})
         assert sizes_of(other) == pytest.approx(sizes_of(obstacle) | {label: 2.0 * value})
         before, after = pose_of(obstacle), pose_of(other)
-        assert before is not None
-        assert after is not None
-        np.testing.assert_allclose(after, before, atol=1e-12)
+        np.testing.assert_allclose(present(after), present(before), atol=1e-12)
 
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
@@ -101,9 +99,7 @@ def test_there_is_no_nearest_place_without_obstacles_or_within_the_mount() -> No
     assert find_nearest(ROBOT, sn.Scene().snapshot(), q) is None
     free = find_nearest(ROBOT, SCENE.snapshot(), q)
     mounted = find_nearest(ROBOT.changed(mount=2.5), SCENE.snapshot(), q)
-    assert free is not None
-    assert mounted is not None
-    assert mounted.distance > free.distance
+    assert present(mounted).distance > present(free).distance
 
 
 def test_of_one_key_only_the_latest_that_has_not_begun_is_run() -> None:

@@ -14,7 +14,7 @@ from sinuous.model.segment import straight
 from sinuous.view.page.model import History, PageModel, problem_text, read_problem
 from sinuous.view.page.session import QUICK_SECONDS, Solvers
 from sinuous.view.page.tabs import value_ranges
-from tests.helpers import refused, with_each
+from tests.helpers import present, refused, with_each
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 BALL = sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")
@@ -41,8 +41,7 @@ def test_a_target_is_moved_and_turned_as_far_as_it_asks() -> None:
     assert page.targets[0].equals(sn.Target((0.5, 0.5, 2)))
     page.ask(0, "rotation")
     rotation = page.targets[0].rotation
-    assert rotation is not None
-    np.testing.assert_allclose(rotation, ROBOT.tip(page.q)[:3, :3], atol=1e-12)
+    np.testing.assert_allclose(present(rotation), ROBOT.tip(page.q)[:3, :3], atol=1e-12)
     refused("asked", lambda: page.ask(0, "more"))
 
 
@@ -73,8 +72,7 @@ def test_solvers_see_obstacles_that_moved_came_and_went() -> None:
 
     assert answered().status == "solved"
     page.grasp(0)
-    assert page.grip is not None
-    at_target = page.grip.copy()
+    at_target = present(page.grip).copy()
     at_target[:3, 3] = (1, 0, 2)
     page.carry(at_target)
     assert answered().status == "target_blocked"
@@ -221,8 +219,7 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     page.place_target(0, np.array([0.9, 0.0, 2.0]))
     assert page.beside is None
     again = page.question_beside()
-    assert again is not None
-    np.testing.assert_array_equal(again.initial, solution.q)
+    np.testing.assert_array_equal(present(again).initial, solution.q)
     assert not page.accept_beside(second.number, solution)
 
 

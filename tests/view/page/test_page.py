@@ -15,7 +15,7 @@ import sinuous as sn
 from sinuous.view.page import model
 from sinuous.view.page.nodes import rotation_of, sees
 from sinuous.view.page.page import Page
-from tests.helpers import Floats
+from tests.helpers import Floats, present
 from tests.scene.shapes import cube
 from tests.view.page.browser import PATIENCE, choose, chromium, frames, inputs, opened, pixels, projected, until
 
@@ -99,8 +99,7 @@ def settled(page: Page) -> None:
 def asked(page: Page) -> Floats:
     """Where the target is."""
     place = page.model.targets[0].position
-    assert place is not None
-    return place
+    return present(place)
 
 
 def camera_of(page: Page) -> Any:
@@ -224,8 +223,7 @@ def test_a_target_out_of_reach_stays_in_view_and_one_figure_says_how_far(page: P
     until(lambda: sees(camera_of(page), np.array([1.0, 60.0, 2.0])), "the target in view")
     settled(page)
     answer = page.model.answer
-    assert answer is not None
-    figure = f"{answer.position_error:.3g}"
+    figure = f"{present(answer).position_error:.3g}"
     until(lambda: page.scenery.words == f"{figure} away", "how far")
     until(lambda: figure in fresh.locator(".sinuous table").first.inner_text(), "its row")
     assert re.findall(r"[\d.]+", fresh.locator(".sinuous table").first.inner_text()) == [figure]
@@ -366,10 +364,8 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     until(lambda: played(page), "the motion played to its end")
     assert page.model.motion is not None
     assert page.model.motion.solved
-    assert GOAL.start is not None
-    assert GOAL.goal is not None
-    np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
-    np.testing.assert_allclose(page.model.shown, GOAL.goal)
+    np.testing.assert_array_equal(page.model.motion.q[0], present(GOAL.start))
+    np.testing.assert_allclose(page.model.shown, present(GOAL.goal))
     fresh.locator(".badge", has_text="proved clear here").wait_for()
     limits = sn.Rates(0.4, 0.4, acceleration=sn.Rates(0.4, 0.4))
     for name in ("bend rate, rad/s", "length rate, per s", "bend accel., rad/s²", "length accel., per s²"):
@@ -403,8 +399,7 @@ def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> N
     until(lambda: page.model.time == 3.0 and not page.playing, "the obstacles played to their end")
     fresh.locator(".badge", has_text="solved").wait_for()
     answer = page.model.answer
-    assert answer is not None
-    assert answer.problem.scene.equals(page.model.scene.at(3.0))
+    assert present(answer).problem.scene.equals(page.model.scene.at(3.0))
     fresh.get_by_role("button", name="Plan a motion").click()
     until(lambda: played(page), "the motion played to its end")
     motion = page.model.motion

@@ -52,11 +52,11 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
     names = run(job, tmp_path, monkeypatch)
     solution: Any = names.get("solution")
     assert solution is None or (solution.solved and solution.verify().ok)
+    assert "motion" not in names or names["motion"].solved
     if "shape" in names:
         np.testing.assert_allclose(names["shape"], solution.q, atol=1e-9)
     match job:
         case "From a table of points to a table of motor values":
-            assert names["motion"].solved
             assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") == len(names["motion"].q) + 1
         case "In MuJoCo, moved by its motors":
             reached = names["robot"].tip(solution.q)[:3, 3]
@@ -65,11 +65,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             left = names["arm"].to_actuators(names["q"]) - names["measured"]
             assert 0.1 < abs(left).max() < 3.0
         case "A plan as fast as the motors allow, for a controller":
-            assert names["motion"].solved
             assert sn.load(tmp_path / "motion.json").equals(names["motion"])
             assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") > 100 * names["timed"].duration
-        case "Through poses, at times":
-            assert names["motion"].solved
         case "Why not, and as near as it can come":
             assert not names["failed"].solved
             assert names["failed"].binding
@@ -82,14 +79,10 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "Which robot should it be?":
             assert len(names["found"].totals) == 4
             assert names["found"].best().done == 3
-        case "From here to there, clear all the way":
-            assert names["motion"].solved
         case "Pick up a payload":
             assert names["empty"].solved
             assert max(abs(names["empty"].actuators[key] - value) for key, value in solution.actuators.items()) > 1e-4
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
-        case "A weld seam":
-            assert names["motion"].solved
         case _:
-            assert solution is not None
+            assert solution is not None or "motion" in names

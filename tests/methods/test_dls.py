@@ -19,12 +19,6 @@ def test_reachable_targets(kind: str) -> None:
     assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 60, 2.0, kind=kind)) == 60
 
 
-def test_limits_and_starts_and_obstacles() -> None:
-    laws.keeps_its_limits("dls", laws.LIMITED)
-    laws.begins_from_an_initial_configuration("dls")
-    laws.does_not_pretend("dls")
-
-
 def test_a_step_goes_no_farther_than_its_clamp() -> None:
     """Far away and hardly moving: with a small clamp and few steps the tip stays near its start."""
     start = laws.shapes(laws.ARM, 1, 1.0, 0)[0]

@@ -14,6 +14,7 @@ from sinuous.base.arguments import MethodName
 from sinuous.methods import method as methods
 from sinuous.methods.method import LIMITS, METHODS, Options, choice, count, flag, number
 from tests.helpers import NOT_NUMBERS, refused, refused_each, with_each
+from tests.methods import laws
 from tests.methods.laws import quick
 
 ARM = sn.Robot.uniform(5, (45, 70), 2.4)
@@ -43,6 +44,13 @@ def test_a_solved_answer_is_one(name: MethodName) -> None:
     assert solution.verify().ok
     assert solution.q.shape == (5, 3)
     assert solution.to_dict()["method"] == name
+
+
+@pytest.mark.parametrize("method", ["dls", "fabrikc", "fabrik_avoid"])
+def test_limits_and_starts_and_obstacles(method: MethodName) -> None:
+    laws.keeps_its_limits(method, laws.LIMITED)
+    laws.begins_from_an_initial_configuration(method)
+    laws.does_not_pretend(method)
 
 
 @with_each("name", METHODS)

@@ -6,6 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.model.rates import least
 from tests.helpers import refused
+from tests.motion import timed_judge
 
 ROBOT = sn.Robot.uniform(3, (40.0, 60.0), 2.0, radius=4.0, tendons=sn.Tendons(3, radius=3.0))
 START = np.array([[0.0, 0.0, 50.0]] * 3)
@@ -17,13 +18,8 @@ SLOW = sn.Rates(bend=0.1, length=2.0)
 
 def fastest(motion: sn.Motion) -> dict[str, float]:
     """Largest speeds of a motion, by differences."""
-    dt = np.diff(motion.times)[:, None]
-    moves, pulled = np.diff(motion.q, axis=0), np.diff(motion.robot.to_actuators(motion.q), axis=0)
-    return {
-        "bend": float((np.hypot(moves[..., 0], moves[..., 1]) / dt).max()),
-        "length": float((np.abs(moves[..., 2]) / dt).max()),
-        "actuator": float((np.abs(pulled) / dt).max()),
-    }
+    pulled = np.diff(motion.robot.to_actuators(motion.q), axis=0) / np.diff(motion.times)[:, None]
+    return dict(zip(("bend", "length", "actuator"), (*timed_judge.fastest(motion), np.abs(pulled).max()), strict=True))
 
 
 def keeps(motion: sn.Motion, rates: sn.Rates) -> bool:
@@ -79,12 +75,7 @@ def test_times_that_were_asked_for_stay_or_are_refused() -> None:
 def test_accelerations_hold_at_the_knots() -> None:
     rates = sn.Rates(bend=0.5, length=20.0, acceleration=sn.Rates(bend=0.2, length=5.0))
     motion = sn.track(ROBOT, TARGETS, [BALL], start=START, rates=rates)
-    dt = np.diff(motion.times)
-    still = np.zeros((1, 3, 3))
-    speeds = np.concatenate([still, np.diff(motion.q, axis=0) / dt[:, None, None], still])
-    means = 0.5 * (np.append(dt, 0.0) + np.append(0.0, dt))
-    jumps = np.diff(speeds, axis=0) / means[:, None, None]
-    bends, lengths = np.hypot(jumps[..., 0], jumps[..., 1]).max(), np.abs(jumps[..., 2]).max()
+    bends, lengths = timed_judge.hardest(motion)
     assert bends <= 0.2 * (1.0 + 1e-9)
     assert lengths <= 5.0 * (1.0 + 1e-9)
     assert max(bends / 0.2, lengths / 5.0) == pytest.approx(1.0)

@@ -138,17 +138,16 @@ def test_threads_share_a_planner() -> None:
 
 def test_a_start_that_is_blocked_is_said_to_be() -> None:
     ball = [sn.Sphere((0.0, 0.0, 2.0), 0.3, name="ball")]
-    bent = [[2.0, 0.0, 1.0]] * 4
-    motion = sn.plan(ROBOT, STRAIGHT, bent, ball)
-    assert motion.status is sn.Status.START_BLOCKED
-    assert not motion.solved
-    assert present(motion.worst).obstacle == "ball"
-    beyond = sn.plan(ROBOT, [[0.0, 0.0, 1.5]] * 4, STRAIGHT)
-    assert beyond.status is sn.Status.START_BLOCKED
-    assert present(beyond.worst).constraint == "length"
-    curled = sn.plan(ROBOT, [[2.8, 0.0, 1.0]] * 4, STRAIGHT)
-    assert curled.status is sn.Status.START_BLOCKED
-    assert present(curled.worst).constraint == "self_clearance"
+    bent, beyond, curled = ([[2.0, 0.0, 1.0]] * 4, [[0.0, 0.0, 1.5]] * 4, [[2.8, 0.0, 1.0]] * 4)
+    for start, goal, scene, constraint in (
+        (STRAIGHT, bent, ball, "clearance"),
+        (beyond, STRAIGHT, [], "length"),
+        (curled, STRAIGHT, [], "self_clearance"),
+    ):
+        motion = sn.plan(ROBOT, start, goal, scene)
+        assert (motion.status, motion.solved) == (sn.Status.START_BLOCKED, False)
+        worst = present(motion.worst)
+        assert (worst.constraint, worst.obstacle) == (constraint, "ball" if scene else None)
 
 
 def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() -> None:

@@ -3,8 +3,6 @@
 The nearest poses, against a sort of all, and how far configurations are apart, against NumPy.
 """
 
-import math
-
 import numpy as np
 
 import sinuous as sn
@@ -16,6 +14,7 @@ from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
 from tests.helpers import Floats
+from tests.methods.laws import tip_targets
 
 LONG = 30.0
 NOTHING = np.empty((0, 3, 3))
@@ -27,15 +26,6 @@ def solved(problem: Problem, own: tuple[int, int], initial: Floats = NOTHING, se
     best, settings = np.full((len(robot), 3), np.nan), settings_group(robot, problem.tolerance)
     group, budget = problem.scene.group.copy(), (*own, seed, LONG)
     return Outcome(best, *search(robot_group(robot), group, settings, targets, initial, budget, workspace, best))
-
-
-def pose_at(seed: int, robot: Robot) -> Target:
-    """A full pose that some configuration within the limits has."""
-    rng = np.random.default_rng(seed)
-    low, high, bend = robot.limits[:, :3].T
-    angle, size = rng.uniform(-math.pi, math.pi, len(robot)), bend * np.sqrt(rng.random(len(robot)))
-    tip = robot.tip(np.stack([size * np.cos(angle), size * np.sin(angle), rng.uniform(low, high)], axis=-1))
-    return Target(tip[:3, 3], rotation=tip[:3, :3])
 
 
 def test_own_starts_follow_what_is_given_in_vain() -> None:
@@ -51,9 +41,9 @@ def test_own_starts_follow_what_is_given_in_vain() -> None:
 
 def hard() -> Problem:
     """A pose of three fixed segments, which the first starts miss."""
-    robot = Robot.uniform(3, 1.0, 2.0)
+    robot = Robot.uniform(3, 1.0, 3.0)
     for seed in range(200):
-        problem = Problem(robot, pose_at(seed, robot))
+        problem = Problem(robot, tip_targets(robot, 1, 3.0, seed, "rotation"))
         found = solved(problem, (0, 60))
         if found.code == SOLVED and found.starts > 3:
             return problem

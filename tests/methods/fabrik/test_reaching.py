@@ -36,12 +36,6 @@ def test_fixed_lengths() -> None:
     assert np.abs(solution.q[:, :2] - start[:, :2]).max() > 1e-3
 
 
-def test_limits_and_starts_and_obstacles() -> None:
-    laws.keeps_its_limits("fabrikc", laws.LIMITED)
-    laws.begins_from_an_initial_configuration("fabrikc")
-    laws.does_not_pretend("fabrikc")
-
-
 def test_what_it_cannot_mean_is_refused() -> None:
     refused("iterations", lambda: Fabrikc(iterations=0))
     refused("stretch", lambda: Fabrikc(stretch="no"))  # type: ignore[arg-type]

@@ -39,9 +39,3 @@ def test_it_steps_aside_where_fabrikc_runs_into_obstacles() -> None:
             solver = sn.Solver(ARM, scene, method=method, max_starts=1)
             solved[method] += laws.solved_and_verified(solver, targets)
     assert solved["fabrik_avoid"] > solved["fabrikc"] + 5
-
-
-def test_limits_and_starts_and_obstacles() -> None:
-    laws.keeps_its_limits("fabrik_avoid", laws.LIMITED)
-    laws.begins_from_an_initial_configuration("fabrik_avoid")
-    laws.does_not_pretend("fabrik_avoid")

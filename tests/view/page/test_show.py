@@ -13,6 +13,7 @@ from sinuous.view.display.contents import Arm, MovingArm
 from sinuous.view.page.model import PLAYED_SECONDS
 from sinuous.view.page.record import FEWEST_FRAMES, MOST_FRAMES, frames_of
 from tests.helpers import refused
+from tests.scene.shapes import EACH_KIND
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
 SCENE = sn.Scene([sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball")])
@@ -80,20 +81,5 @@ def test_what_cannot_be_shown_is_refused_in_one_line(tmp_path: Path, monkeypatch
 
 
 def test_every_kind_of_obstacle_stands_on_a_page(tmp_path: Path) -> None:
-    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
-    faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-    ball = lambda p: np.linalg.norm(p - 1.0, axis=-1) - 0.3  # noqa: E731
-    obstacles = [
-        sn.Sphere((1, 0, 0), 0.2),
-        sn.Sphere((0, 0, 0), 9.0, inside=True),
-        sn.Box((0, 1, 0), (0.1, 0.2, 0.3)),
-        sn.Capsule((1, 1, 0), (1, 1, 1), 0.1),
-        sn.Cylinder((1, 1, 0), (1, 1, 1), 0.1),
-        sn.HalfSpace((0, 0, -1), (0, 0, 1)),
-        sn.Mesh(corners, faces),
-        sn.PointCloud(corners, 0.1),
-        sn.Grid(np.ones((2, 2, 2), bool), (2, 2, 2), 0.1),
-        sn.Field(ball, (0, 0, 0), (2, 2, 2), 0.25),
-    ]
-    sn.show(sn.Scene(obstacles), ROBOT, path=tmp_path / "x.html")
+    sn.show(sn.Scene([make() for make in EACH_KIND.values()]), ROBOT, path=tmp_path / "x.html")
     assert (tmp_path / "x.html").stat().st_size > 500_000

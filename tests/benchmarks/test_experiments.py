@@ -43,6 +43,7 @@ SMALL = {
 @pytest.mark.filterwarnings("ignore::sinuous.SuspiciousInput")  # random problems are odd on purpose
 @pytest.mark.parametrize("name", SMALL)
 def test_experiments_run_at_their_smallest_size(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(harness, "LOOK", 1e-3)
     monkeypatch.setattr(derivatives, "BESIDE", 1)
     monkeypatch.setattr(methods, "METHODS", ("newton", "opti_path", "dls"))
     assert conduct(experiment(name, Plan(1, quick=True), SMALL[name]), tmp_path) == 0
@@ -55,6 +56,7 @@ def test_experiments_run_at_their_smallest_size(name: str, tmp_path: Path, monke
 @pytest.mark.filterwarnings("ignore::sinuous.SuspiciousInput")
 @pytest.mark.parametrize("name", WAYS)
 def test_places_are_solved_in_all_ways(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(harness, "LOOK", 1e-3)
     monkeypatch.setattr(ways, "ROUNDS", 1)
     assert conduct(experiment(name, QUICK, ("spheres 12",)), tmp_path) == 0
     lines = (tmp_path / f"{name}.md").read_text().splitlines()

@@ -50,8 +50,7 @@ def test_the_number_is_the_one_that_proves_it(
 ) -> None:
     solution = Solver(ROBOT).solve(target)
     assert solution.status is Status.OUT_OF_REACH
-    reason = solution.reason
-    assert reason is not None
+    reason = present(solution.reason)
     assert reason.needed > reason.available
     if needed is not None:
         assert reason.bound == bound

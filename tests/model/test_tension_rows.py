@@ -9,7 +9,7 @@ import pytest
 import sinuous as sn
 from sinuous.base.checks import Floats
 from sinuous.measures.statics import lacking_stretch
-from tests.helpers import refused
+from tests.helpers import present, refused
 
 TENDONS: dict[str, Any] = {"tension": (0.0, 6.0)}
 ROBOTS: dict[str, tuple[Any, dict[str, Any]]] = {
@@ -66,8 +66,7 @@ def test_a_plane_holds_what_tendons_would_bend_out_of_it() -> None:
 @pytest.mark.parametrize("kind", ROBOTS)
 def test_slopes_are_those_of_values_and_ways_are_bounded(kind: str) -> None:
     robot = robot_of(kind)
-    rows = robot.limit_set.tension_rows
-    assert rows is not None
+    rows = present(robot.limit_set.tension_rows)
     assert rows.linear == (kind != "lengths")
     q = drawn(robot, 40, 0.5)
     steps = 1e-6 * np.eye(q[0].size).reshape(-1, *q[0].shape)
@@ -86,8 +85,7 @@ def test_lines_that_end_where_nothing_bends_have_no_rows() -> None:
     lines = sn.Tendons(angles=[0.0, 2.0], radius=4.0, stiffness=50.0, tension=(0.0, 6.0))
     stiff = sn.Segment(20.0, max_bend=0.0, tendons=lines)
     robot = sn.Robot([sn.Segment(60.0, stiffness=2000.0), stiff])
-    rows = robot.limit_set.tension_rows
-    assert rows is not None
+    rows = present(robot.limit_set.tension_rows)
     assert not rows.decoupled
     held = robot.from_actuators([0.1, 0.0])
     assert rows.share_between(held, held, 1e-9) == 0.0

@@ -61,8 +61,7 @@ def test_a_motion_is_blocked_where_independent_sampling_sees_an_overlap(seed: in
     if deepest < -1e-3 * unit:
         assert motion.status is sn.Status.BLOCKED
     if motion.status is sn.Status.BLOCKED:
-        worst = motion.worst
-        assert worst is not None
+        worst = present(motion.worst)
         assert worst.step is not None
         assert worst.time is not None
         assert motion.times[worst.step - 1] <= worst.time <= motion.times[worst.step]

@@ -141,8 +141,7 @@ P, D, R = RNG.normal(size=(20, 3)), RNG.normal(size=(20, 3)), Rotation.random(20
 
 def test_loose_rotations_are_made_exact_one_like_many() -> None:
     loose = R.as_matrix() + 1e-8 * RNG.normal(size=(20, 3, 3))
-    many = TipGoals.read({"rotations": loose}).rotations
-    assert many is not None
+    many = present(TipGoals.read({"rotations": loose}).rotations)
     for matrix, exact in zip(loose, many, strict=True):
         np.testing.assert_array_equal(exact, rotation_matrix("rotation", matrix))
         np.testing.assert_allclose(exact @ exact.T, np.eye(3), atol=1e-15)

@@ -136,8 +136,7 @@ def test_a_motion_that_comes_nearer_is_not_proved() -> None:
     ball = sn.Scene([sn.Sphere((45.0, 0.0, 110.0), 6.0)]).snapshot()
     steps = prove_steps(ROBOT, ball, np.stack([straight, near]))
     assert steps.proved.all()
-    least = steps.clearance
-    assert least is not None
+    least = present(steps.clearance)
     again = prove_steps(ROBOT.changed(clearance=0.9 * least), ball, np.stack([straight, near]))
     assert again.proved.all()
     assert again.clearance == pytest.approx(least, rel=0.11)

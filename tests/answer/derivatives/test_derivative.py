@@ -25,7 +25,7 @@ from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.residual import residual_of
 from sinuous.base.arguments import Parameter
 from sinuous.kernels.packing import scales_of
-from tests.helpers import Floats, refused
+from tests.helpers import Floats, present, refused
 
 TOLERANCE = 1e-6
 """Relative difference up to which a derivative agrees."""
@@ -66,8 +66,7 @@ def test_no_wrong_derivative_is_called_regular(family: str) -> None:
 def test_each_group_agrees_with_differences(name: Any) -> None:
     for seed in range(4):
         rng = np.random.default_rng([seed, 2])
-        found = draw("free", rng)
-        assert found is not None
+        found = present(draw("free", rng))
         way = {name: random_tangent(found, rng)[name]}
         derivative = found.derivative(name)
         assert derivative.regular
@@ -79,8 +78,7 @@ def test_at_a_limit_one_sided_differences_agree(family: str) -> None:
     agreed = []
     for seed in range(20):
         rng = np.random.default_rng([seed, 3])
-        found = draw(family, rng)
-        assert found is not None
+        found = present(draw(family, rng))
         derivative, whole = found.derivative(ALL), random_tangent(found, rng)
         assert derivative.active
         assert not derivative.regular
@@ -137,8 +135,7 @@ def test_limits_that_move_push_the_answer() -> None:
     compared = 0
     for seed in range(20):
         rng = np.random.default_rng([seed, 8])
-        found = draw(str(rng.choice(["limits", "actuators"])), rng)
-        assert found is not None
+        found = present(draw(str(rng.choice(["limits", "actuators"])), rng))
         whole = random_tangent(found, rng)
         names: tuple[Parameter, ...] = tuple(name for name in ALL if name not in ("initial", "obstacles"))
         way = {name: whole[name] for name in names}
@@ -247,14 +244,12 @@ def test_tip_and_actuators_follow() -> None:
     """The tool does what the targets ask, and the base carries everything."""
     for seed in range(8):
         rng = np.random.default_rng([seed, 6])
-        found = draw("free", rng)
-        assert found is not None
+        found = present(draw("free", rng))
         derivative, way = found.derivative(ALL), random_tangent(found, rng)
         h, poses, values = 1e-6, [], []
         for sign in (1.0, -1.0):
             asked, _ = question(found, way, sign * h)
-            q = again(found, way, sign * h)
-            assert q is not None
+            q = present(again(found, way, sign * h))
             poses.append(asked.robot.tip(q))
             values.append(asked.robot.to_actuators(q))
         rate = (poses[0] - poses[1]) / (2.0 * h)
@@ -271,8 +266,7 @@ def test_tip_and_actuators_follow() -> None:
 
 def test_vjp_is_the_transpose_of_jvp() -> None:
     rng = np.random.default_rng(0)
-    found = draw("free", np.random.default_rng([3, 1]))
-    assert found is not None
+    found = present(draw("free", np.random.default_rng([3, 1])))
     way, cotangent = random_tangent(found, rng), rng.normal(size=found.q.shape)
     back = found.vjp(cotangent, ALL)
     assert (cotangent * found.jvp(way)).sum() == pytest.approx(sum(float(back[name] @ way[name]) for name in ALL))

@@ -20,7 +20,7 @@ from benchmarks.judges.self_collision import FINEST, look, surely_clear
 from benchmarks.motion.limits import KINDS, arm, drawn, is_false, most_pulled
 from benchmarks.problems import random_configurations
 from benchmarks.wild import worlds
-from tests.helpers import Floats, twist_matrix, with_each
+from tests.helpers import Floats, present, twist_matrix, with_each
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
 """One configuration of `ARM`, from the origin to (0, 0, 3)."""
@@ -122,8 +122,7 @@ def test_least_energies_have_the_tensions_of_equilibria(kind: str) -> None:
     found = most_pulled(robot, robot.to_actuators(q), q[:, 2], q)
     own = robot.shape(q).tensions if robot.has_external_load else robot.tensions(robot.to_actuators(q), q)
     assert found == pytest.approx(np.nanmax(own), rel=1e-3)
-    lines = robot.segments[0].tendons
-    assert lines is not None
+    lines = present(robot.segments[0].tendons)
     for share, false in ((1.01, False), (0.98, True)):
         held = lines.changed(tension=(0.0, share * found))
         assert (

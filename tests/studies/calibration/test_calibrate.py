@@ -197,8 +197,7 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
     off = np.linalg.norm(found.predict(values[80:])[:, :3, 3] - rows[80:], axis=1)
     assert (off <= found.bound()).mean() >= 0.9
     assert found.bound(0.95, "rows") <= found.bound(0.95)
-    own = found.robot.uncertainty
-    assert own is not None
+    own = present(found.robot.uncertainty)
     assert isinstance(own.bound, float)
     assert own.bound == pytest.approx(found.bound())
     q = found.robot.from_actuators(values[0])

@@ -142,8 +142,7 @@ def test_what_no_robot_can_do_is_said_with_the_task_and_the_reason() -> None:
 
 def test_fields_are_ranges_lists_and_elements() -> None:
     space = Space(TEMPLATE, {"base.position[2]": (-10.0, 10.0), "segments[1].length": {"values": [80.0, 90.0]}})
-    robot = space.robot((90.0,), np.array([0.75]))
-    assert robot is not None
+    robot = present(space.robot((90.0,), np.array([0.75])))
     assert robot.base[2, 3] == 5.0
     assert robot.segments[1].length == (90.0, 90.0)
     assert Space(TEMPLATE, {"segments.length": {"range": [50, 150]}}).shares_of(TEMPLATE) is not None

@@ -85,8 +85,7 @@ SCENE = sn.Scene([sn.Sphere((0.5, 0, 1.5), radius=0.2, name="ball"), sn.Box((-1,
 def test_the_line_to_the_nearest_place_ends_on_both_surfaces() -> None:
     for seed in range(20):
         q = np.random.default_rng(seed).uniform((-1, -1, 0.8), (1, 1, 1.2), (3, 3))
-        near = find_nearest(ROBOT, SCENE.snapshot(), q)
-        assert near is not None
+        near = present(find_nearest(ROBOT, SCENE.snapshot(), q))
         assert abs(float(SCENE.distance(near.surface))) < 1e-6
         if near.distance > 0.0:  # deep within a box, its other side may be nearer to the surface of the body
             assert abs(float(SCENE.distance(near.body)) - near.distance) < 1e-6

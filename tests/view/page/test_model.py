@@ -211,8 +211,7 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     assert page.question_beside() is None
     page.set_method("newton", "newton", 3, 0.5)
     page.accept(page.number, solvers.solve(page.question()))
-    second = page.question_beside()
-    assert second is not None
+    second = present(page.question_beside())
     np.testing.assert_array_equal(second.initial, straight(ROBOT.segments))
     solution = solvers.solve(second)
     assert page.accept_beside(second.number, solution)

@@ -402,8 +402,7 @@ def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> N
     assert present(answer).problem.scene.equals(page.model.scene.at(3.0))
     fresh.get_by_role("button", name="Plan a motion").click()
     until(lambda: played(page), "the motion played to its end")
-    motion = page.model.motion
-    assert motion is not None
+    motion = present(page.model.motion)
     assert motion.solved
     assert page.model.there.equals(page.model.scene.at(float(motion.times[-1])))
     fresh.locator(".badge", has_text="proved clear here").wait_for()

@@ -46,8 +46,7 @@ def test_clearance_over_a_motion_is_never_less_than_was_proved(track: sn.Motion)
     least = np.asarray(axes.get_lines()[0].get_ydata())
     assert len(least) >= len(track.q)
     assert least.min() >= present(track.clearance)
-    legend = axes.get_legend()
-    assert legend is not None
+    legend = present(axes.get_legend())
     assert [text.get_text() for text in legend.get_texts()] == ["proved all the way"]
 
 

@@ -11,6 +11,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.view.pictures.reports import html
+from tests.helpers import present
 from tests.view.pictures.arms import BALL, PATH, ROBOT, share_of
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -40,8 +41,7 @@ def test_a_picture_and_a_table(nouns: list[object]) -> None:
             assert f">{row}</th>" in text
         assert len(text) < 80_000
         assert "<script" not in text
-        data = re.search(r'src="data:image/png;base64,([^"]+)"', text)
-        assert data is not None
+        data = present(re.search(r'src="data:image/png;base64,([^"]+)"', text))
         image = matplotlib.image.imread(io.BytesIO(base64.b64decode(data[1])))
         assert 0.3 < share_of(image, (1.0, 1.0, 1.0), 0.02) < 0.995
         assert np.ptp(image[..., :3]) > 0.5
@@ -70,13 +70,11 @@ def test_what_is_not_solved_says_why() -> None:
 
 def test_what_prints_itself_is_shown_so() -> None:
     explanation = sn.solve(ROBOT, sn.Target((0, 0, 9))).explain()
-    text = explanation._repr_html_()
-    assert text is not None
+    text = present(explanation._repr_html_())
     assert "<img" not in text
     assert html_of(str(explanation)) in text
     found = sn.studies.reach(ROBOT, spacing=0.5 * ROBOT.mean_length, directions=1)
-    text = found._repr_html_()
-    assert text is not None
+    text = present(found._repr_html_())
     assert html_of(str(found)) in text
     assert "data:image/png" in text
     assert len(text) < 200_000

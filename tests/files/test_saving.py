@@ -8,6 +8,7 @@ JSON is read strictly, and results are strict JSON on one line.
 import json
 import math
 import os
+from collections.abc import Callable
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -21,11 +22,12 @@ import sinuous as sn
 from sinuous.base.documents import result_value, yaml_text
 from sinuous.files.documents import json_line, parse_json, parse_yaml, result
 from sinuous.motion.job import job_of, read_problem
+from sinuous.scene.obstacles import Obstacle
 from tests.helpers import random_pose, refused, with_each
 from tests.model import test_elastic as elastic
 from tests.model.test_actuators import DRIVEN
 from tests.model.test_laws import robots
-from tests.scene.shapes import cube, obj, together
+from tests.scene.shapes import EACH_KIND, cube, obj, together
 from tests.statics import test_equilibrium as loaded
 
 LAMP = sn.Sphere((0, 0, 9), 1.0)
@@ -145,28 +147,23 @@ def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:
         assert some.equals(sn.load(tmp_path / "some.yaml"))
 
 
-HELD = {
-    "solid": sn.Mesh(*cube(), name="crate"),
-    "shell": sn.Mesh(cube(2.0)[0], cube(2.0)[1][:-1], thickness=0.1),
-    "bodies": sn.Mesh(*together(cube(), cube(1.0, (0.5, 0.0, 0.0)))),
-    "points": sn.PointCloud(np.eye(3), 0.1),
-    "balls": sn.PointCloud(np.random.default_rng(0).normal(size=(50, 3)), np.linspace(0, 1, 50), name="scan"),
-    "cubes": sn.Grid(np.random.default_rng(0).random((3, 4, 2)) < 0.5, (1, 2, 3), 0.3),
-    "distances": sn.Grid(np.linalg.norm(np.indices((3, 3, 3)), axis=0), (0, 0, 0), 1.0),
+HELD: dict[str, Callable[[], Obstacle]] = {
+    **{name: EACH_KIND[name] for name in ("mesh", "mesh around", "plates", "cloud", "cells", "samples")},
+    "bodies": lambda: sn.Mesh(*together(cube(), cube(1.0, (0.5, 0.0, 0.0)))),
+    "points": lambda: sn.PointCloud(np.eye(3), 0.1),
 }
 
 
 @pytest.mark.parametrize("name", HELD)
 def test_obstacles_of_arrays_are_written_out(tmp_path: Path, name: str) -> None:
-    problem = sn.Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]])
+    problem = sn.Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]()])
     problem.save(tmp_path / "a.yaml")
     assert read_problem(tmp_path / "a.yaml").equals(problem)
     assert os.listdir(tmp_path) == ["a.yaml"]
 
 
 def test_a_function_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    field = sn.Field(lambda p: p[:, 2] + 9, (0, 0, 0), (1, 1, 1), 1)
-    problem = sn.Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
+    problem = sn.Job(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, EACH_KIND["function"]()])
     refused("scene[1]", lambda: problem.save(tmp_path / "a.yaml"), "a file can hold")
     assert os.listdir(tmp_path) == []
 

@@ -20,7 +20,7 @@ def test_few_rows_give_the_step(n: int, mu: float, bound: bool, joint: str) -> N
     rng, limits = np.random.default_rng(n), plain_rows(n).copy()
     limits[0, [RIGID, LENGTH_SCALE]] = joint != "", joint != "revolute"
     met = 0
-    for q in configurations(n, n, 40):
+    for q in configurations(n, n, 16):
         columns = columns_of(q)
         rows = random_rows(rng, n, max(1, 8 // n), (END, INNER, SOFT))
         if not are_few(rows, n):

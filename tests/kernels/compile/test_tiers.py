@@ -79,7 +79,7 @@ def test_a_call_without_code_is_interpreted_and_its_code_ordered_once_it_is_ther
     assert (first.name, first.path) == ("half", second.path)
     said = capsys.readouterr().err
     assert said == (
-        "sinuous: first use on this machine: kernels are compiled in the background (about 9 s); "
+        "sinuous: first use of some kernels on this machine: they are compiled in the background (about 9 s); "
         "until then answers take longer; 'sinuous warm' compiles everything ahead\n"
     )
     other: Any = compiling.entry(half)  # as a helper

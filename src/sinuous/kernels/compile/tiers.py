@@ -341,8 +341,8 @@ def _tell(piece: Piece) -> None:
     if not _told and seconds > SHORT:
         _told.append(piece)
         text = (
-            f"sinuous: first use on this machine: kernels are compiled in the background (about {seconds} s); "
-            "until then answers take longer; 'sinuous warm' compiles everything ahead"
+            f"sinuous: first use of some kernels on this machine: they are compiled in the background "
+            f"(about {seconds} s); until then answers take longer; 'sinuous warm' compiles everything ahead"
         )
         print(text, file=sys.stderr, flush=True)  # noqa: T201
 

@@ -53,6 +53,13 @@ def test_every_method_refuses_what_it_does_not_have(name: str, noun: type) -> No
             refused("nonsense", partial(method, None, nonsense=1), "unknown option")
 
 
+def test_file_and_path_are_understood_for_each_other() -> None:
+    refused("path", lambda: CALLED.Robot.save(ROBOT, path="a.yaml"), "did you mean 'file'?")
+    refused("file", ROBOT.save, "missing; expected a value")  # type: ignore[call-arg,arg-type,unused-ignore]
+    refused("file", lambda: CALLED.show(ROBOT, file="a.html"), "did you mean 'path'?")
+    refused("things", lambda: CALLED.show(things=ROBOT), "expected one of path, got")
+
+
 @with_each(("name", "public"), nouns_and_verbs)
 def test_every_noun_and_verb_says_what_it_lacks(name: str, public: Any) -> None:
     parameters = inspect.signature(public).parameters.values()

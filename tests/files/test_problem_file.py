@@ -251,6 +251,9 @@ WRONG = {
 """What stands in a file beside a robot and a target, where it has none of its own, and how the refusal begins."""
 
 WHOLE = {
+    "robot: [\n": "line 2: a list, mapping or quotation is not closed; expected YAML, got 'the end of the file'",
+    "robot: {a: 1\n": "line 2: a list, mapping or quotation is not closed; expected YAML",
+    "robot: 'a\n": "line 2: a list, mapping or quotation is not closed; expected YAML",
     ROBOT: "target: missing; expected one of target, targets, path, goal, got ['robot']",
     "": "file: missing; expected a mapping with robot, scene, target, targets, path, goal, tolerance",
     "just a text": "file: expected a mapping with robot, scene, target, targets, path, goal, ",
@@ -285,7 +288,8 @@ def test_what_cannot_be_read_is_refused_under_its_own_name(read: Read) -> None:
     ):
         with pytest.raises(sn.InputError) as caught:
             read_problem(file)
-        assert str(caught.value).startswith(f"{file}: file: {refusal}")
+        assert str(caught.value).startswith(f"{file}: {refusal}")
+        assert str(caught.value).count(file) == 1
     Path("earlier.json").write_text('{"q": [[0, 0, NaN]]}')
     with pytest.raises(sn.InputError, match=r"^earlier\.json: q\[0\]\[2\]: expected a finite number, got nan"):
         read(ROBOT + TARGET + "start: earlier.json")

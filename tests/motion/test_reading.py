@@ -65,10 +65,12 @@ def test_a_table_of_motor_values_is_read_by_their_names(tmp_path: Path) -> None:
         ("a.json", '{"joint_names": ["a"], "points": []}', "points: "),
         ("a.json", "{", "file: no JSON"),
         ("a.json", "{}", "file: holds no motion"),
+        ("a.glb", b"glTF\xff", r"not UTF-8 at byte 4; expected a motion in \.csv, .* JSON or YAML, got '.*a\.glb'"),
+        ("a.json", b"\xff", r"not UTF-8 at byte 0; expected a motion"),
     ],
 )  # fmt: skip
-def test_other_files_are_refused(name: str, content: str, message: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_text(content, encoding="utf-8")
+def test_other_files_are_refused(name: str, content: str | bytes, message: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(sn.InputError, match=message):
         sn.Motion.load(tmp_path / name, ROBOT)
 

@@ -161,7 +161,8 @@ def suggested(name: Any, known: Iterable[str]) -> str:
 class InputError(ValueError):
     """Input that cannot be meant, in one line: `KEY: PROBLEM; expected EXPECTED, got VALUE`.
 
-    In front stands the file that holds the key, when it came from one. The problem is left out where the rest says it;
+    In front stands the file that holds the key, when it came from one; of a file that is wrong itself, no more than its
+    name. The problem is left out where the rest says it;
     a value that is `None` is missing, or left out where there is another problem. Of a name that is not known, the one
     that is meant may be what was expected: `did you mean 'length'?`.
 
@@ -184,6 +185,8 @@ class InputError(ValueError):
         problem = problem or ("missing" if value is None else "")
         wrong = f"{problem}; " if problem else ""
         got = "" if problem and value is None else f", got {shown(value)}"  # nothing was given, as the problem says
+        if key == "file" and isinstance(value, str) and value == file:
+            place, got = value, ""  # the name in front says both
         right = expected if expected.startswith(GUESS) else f"expected {expected}{got}"
         super().__init__(f"{place}: {wrong}{right}")
         self.key = key
@@ -377,12 +380,9 @@ def _names(function: Callable[..., Any], given: Iterable[str]) -> list[str]:
     """Keywords that a function takes, those that it passes on one by one; whatever is given where it takes any."""
     names: list[str] = []
     for name, each in inspect.signature(function).parameters.items():
-        if each.kind is each.VAR_POSITIONAL:
-            continue
-        if each.kind is not each.VAR_KEYWORD:
+        if each.kind is each.VAR_KEYWORD:
+            kind = get_args(each.annotation)
+            names += kind[0].__annotations__ if kind and is_typeddict(kind[0]) else given
+        elif each.kind is not each.VAR_POSITIONAL:
             names.append(name)
-        elif (kind := get_args(each.annotation)) and is_typeddict(kind[0]):
-            names += kind[0].__annotations__
-        else:
-            names += given
     return [name for name in names if name not in ("self", "cls")]

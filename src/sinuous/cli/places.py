@@ -76,9 +76,9 @@ def reach_file(asked: Reach) -> int:
     if out is not None and out.suffix.lower() != ".npz":
         raise InputError("--out", "", str(out), "a name that ends in .npz")
     if asked.plot is not None:
-        from sinuous.view.pictures.workspace import check_map  # noqa: PLC0415
+        from sinuous.view.pictures.figures import check_picture  # noqa: PLC0415
 
-        check_map("--plot", asked.plot)
+        check_picture("--plot", asked.plot, others=("html",))
     typed = {key: value for key in WORKSPACE if (value := getattr(asked, key)) is not None}
     if asked.toward is not None:
         typed["directions"] = read_direction(asked)

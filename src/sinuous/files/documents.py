@@ -41,6 +41,9 @@ _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
 _DEEP = "exceeded maximum nesting depth"
 """What recent versions of libyaml say where values stand too deeply in one another."""
 
+# How libyaml begins to say, at the end of a text, that something is still open.
+_UNCLOSED = ("did not find expected node content", "did not find expected ','", "found unexpected end of stream")
+
 MOST_REPEATED = 100_000
 """Values that all aliases of a document may stand for together: nested aliases multiply."""
 
@@ -66,7 +69,9 @@ def parse_yaml(text: str) -> Any:
             if _DEEP in (error.problem or ""):
                 raise RecursionError from None
             line = error.problem_mark.line + 1 if error.problem_mark else 1
-            refuse_line(text, line, error.problem or "cannot be read", "YAML")
+            problem = error.problem or "cannot be read"
+            open_at_end = line > len(text.splitlines()) and problem.startswith(_UNCLOSED)
+            refuse_line(text, line, "a list, mapping or quotation is not closed" if open_at_end else problem, "YAML")
         except yaml.YAMLError as error:
             reason = getattr(error, "reason", "cannot be read")
             raise InputError("file", str(reason), text, "YAML") from None
@@ -175,7 +180,7 @@ def _line(event: Any) -> str:
 MOST_DIGITS = 400
 
 
-def read_text(file: Path, key: str = "file") -> str:
+def read_text(file: Path, key: str = "file", expected: str = "a text file in UTF-8") -> str:
     """Return the text of a file in UTF-8, without a byte order mark.
 
     Raises
@@ -188,7 +193,7 @@ def read_text(file: Path, key: str = "file") -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(key, f"not UTF-8 at byte {error.start}", str(file), "a text file in UTF-8") from None
+        raise InputError(key, f"not UTF-8 at byte {error.start}", str(file), expected) from None
 
 
 def join(key: str, inner: str | int) -> str:

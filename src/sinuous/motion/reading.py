@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from sinuous.base import checks
-from sinuous.base.checks import Floats, motor_columns, readable
+from sinuous.base.checks import Floats, motor_columns
 from sinuous.base.errors import InputError, suggested
 from sinuous.base.text_tables import read_table
-from sinuous.files.documents import read_text, read_values
+from sinuous.files.documents import parse, read_text
 from sinuous.files.joint_chain import JointChain
 from sinuous.model.robot import Robot
 from sinuous.model.segment import coordinate_names
@@ -67,10 +67,10 @@ def _needed(file: str | Path, robot: Robot | None) -> Robot:
 
 def _values(file: str | Path) -> Any:
     """Plain values of a file; of several lines of results, the only one."""
+    text = read_text(Path(file), expected=f"a motion in {', '.join(TABLES)}, .npz, or a text in JSON or YAML")
     if Path(file).suffix.lower() not in {".json", ".jsonl"}:
-        return read_values(file)
-    with readable(file):
-        lines = [line for line in Path(file).read_text(encoding="utf-8").splitlines() if line.strip()]
+        return parse(text, Path(file))
+    lines = [line for line in text.splitlines() if line.strip()]
     try:
         return json.loads(lines[0]) if len(lines) == 1 else json.loads("\n".join(lines))
     except ValueError as error:

@@ -163,13 +163,6 @@ def need_matplotlib(key: str, value: object = None) -> None:
     checks.needed("matplotlib.backend_bases", "plot", key, value, "Matplotlib")
 
 
-def still_kinds() -> tuple[str, ...]:
-    """Endings of still pictures."""
-    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
-
-    return tuple(sorted(FigureCanvasBase.filetypes))
-
-
 def check_picture(key: str, file: Path, *, still: bool = True, others: tuple[str, ...] = MOVIES) -> None:
     """Refuse a picture that cannot be drawn, before anything is solved.
 
@@ -181,7 +174,10 @@ def check_picture(key: str, file: Path, *, still: bool = True, others: tuple[str
         When Matplotlib or ffmpeg is missing, or the kind of file is another.
     """
     need_matplotlib(key, str(file))
-    known = sorted({*(still_kinds() if still else ()), *others})
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+
+    stills = ("png", "svg", "pdf", *others, *sorted(FigureCanvasBase.filetypes))  # what is meant most stands first
+    known = tuple(dict.fromkeys(stills if still else others))
     kind = file.suffix.lower().lstrip(".")
     if kind not in known:
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))

@@ -45,17 +45,6 @@ MOST_CUBES = 30
 SLICE_INCHES, SPACE_INCHES, LEGEND_INCHES = 3.1, 4.2, 0.7
 
 
-def check_map(key: str, file: Path) -> None:
-    """Refuse a picture or page that cannot be drawn, before anything is solved.
-
-    Raises
-    ------
-    InputError
-        When Matplotlib is missing, or does not know the kind of file.
-    """
-    figures.check_picture(key, file, others=("html",))
-
-
 def plot_reach(
     found: Reach,
     file: str | Path,
@@ -84,7 +73,7 @@ def plot_reach(
         written.
     """
     target = Path(file)
-    check_map("file", target)
+    figures.check_picture("file", target, others=("html",))
     figure = draw_map(found, at, [] if robot is None else [robot], as_scene(scene))
     if target.suffix.lower() != ".html":
         figures.save_figure(figure, target)

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,10 @@ from typer.main import get_command
 import sinuous as sn
 from benchmarks.methods import FAITHFUL
 from sinuous.cli.app import app, main
+from sinuous.cli.options import Output
 from sinuous.files.nouns import KEYS, keys_of
 from sinuous.methods.method import LIMITS, METHODS, capabilities
+from sinuous.view.pictures.figures import MOVIES
 from tests.helpers import with_each
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -43,6 +46,15 @@ def test_pages_stay_short(place: str) -> None:
 def test_links_and_pictures_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
         assert link.startswith("https://") or (page.parent / link).exists(), link
+
+
+def test_endings_of_pictures_stand_in_the_help_the_format_and_the_guide() -> None:
+    told = next(each.metadata["help"] for each in fields(Output) if each.name == "plot")
+    endings = set(re.findall(r"\.[a-z]\w+", told))
+    assert endings == {".png", ".svg", ".pdf", *(f".{kind}" for kind in MOVIES), ".html"}
+    for page, row in (("format.md", "| `--plot FILE` |"), ("guides/pictures.md", "`--plot FILE`")):
+        lines = (DOCS / page).read_text(encoding="utf-8").splitlines()
+        assert any(line.startswith(row) and all(f"`{each}`" in line for each in endings) for line in lines), page
 
 
 @with_each("page", [*PAGES, DOCS.parent / "CONTRIBUTING.md"])

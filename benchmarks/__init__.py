@@ -9,5 +9,5 @@ up; each imports from those before it only:
 - `places`: intricate places with a hidden shape, made of `places.parts` and `places.solids`
 - `wild`: worlds of anything that can be built, from which others draw, too
 - `speed`, `clutter`, `ways`, `motion`, `methods`, `many`, ...: the experiments, each named in `__main__.KNOWN`
-- `mbm`: the same of problems that are given; `corpus`, `rooms`: commands of their own
+- `mbm`: the same of problems that are given; `corpus`, `rooms`, `trace`: commands of their own
 """

@@ -53,6 +53,7 @@ KNOWN = {
 """Experiments: module, whose `PARTS`, or whose function of that name, make one of a plan; and what each measures."""
 
 TOOLS = {
+    "trace": ("trace", "how many files of the package run in a solve"),
     "rooms": ("rooms", "lines of code by room, rooms, public names, words"),
     "corpus": ("corpus", "some thousand problems with their answers, to hold a change of the code to the last bit"),
     "mbm": ("mbm", "plans of the problems of MotionBenchMaker, beside what is published for the Panda"),

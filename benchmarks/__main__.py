@@ -30,7 +30,6 @@ KNOWN = {
     "clutter": ("clutter", "intricate places, each known to be possible: what is solved, and how quickly"),
     "wild": ("wild.experiment", "anything that can be built, with hidden solutions, every claim judged"),
     "ablation": ("ways", "places with each attempt of the solver switched off"),
-    "demanded": ("ways", "places with a clearance demanded, or a body that is thicker by as much"),
     "remembered": ("ways", "many targets in one place, with a memory and without"),
     "explored": ("ways", "plans into places that were explored, and without that"),
     "many": ("many", "batches through files, and engines"),

@@ -8,7 +8,7 @@ Problems are those of the experiments, made from seeds; budgets are numbers of s
 that they never decide. Last bits depend on the processor and on the versions of NumPy and Numba: files are of one
 machine, and not committed.
 
-What an answer is made of is public. Sentences and messages may change: they are compared apart, and fail nothing.
+What an answer is made of is public. Sentences and messages may change: they are not compared.
 An answer that differs is looked at by the judges of the other experiments, where these can: whether it is still right.
 """
 
@@ -55,14 +55,14 @@ BUDGET: dict[str, Any] = {"time": 30.0, "max_starts": 40}
 FEW: dict[str, Any] = {"time": 30.0, "max_starts": 6}
 """The same where many problems are impossible."""
 
-LEFT_OUT = ("robot", "scene", "problem", "motor", "seconds", "prepare_seconds", "version")
-"""What answers name of their questions, beside what was found; and what no two runs, or versions, have in common."""
+LEFT_OUT = (
+    *("robot", "scene", "problem", "motor", "seconds", "prepare_seconds", "version"),
+    *("sentence", "misses", "untried", "notes", "note", "deciding"),
+)
+"""What answers name of their questions, what no two runs, or versions, have in common, and what is said in words."""
 
 NOUNS = (sn.Robot, sn.Scene)
 """What is told as it is in files."""
-
-WORDS = ("sentence", "misses", "untried", "notes", "note", "words", "deciding")
-"""Keys of what is said in words, and may be said in others."""
 
 ROOT = Path(__file__).parents[1]
 
@@ -92,11 +92,6 @@ class Difference(NamedTuple):
         if len(numbers) < 2 or not np.isfinite(numbers).all():
             return np.inf
         return abs(numbers[0] - numbers[1]) / max(*map(abs, numbers), 1e-300)
-
-    @property
-    def of_words(self) -> bool:
-        """Whether only words differ."""
-        return any(part.partition("[")[0] in WORDS for part in self.key.split("."))
 
 
 def plain(value: Any) -> Any:
@@ -266,11 +261,10 @@ def examples() -> Iterator[Problem]:
 
 
 def _printed(typed: str) -> Any:
-    out, said = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()):
         code = sinuous(typed.split())
     text = out.getvalue()
-    return {"code": code, "out": json.loads(text) if text.startswith(("{", "[")) else text, "words": said.getvalue()}
+    return {"code": code, "out": json.loads(text) if text.startswith(("{", "[")) else text}
 
 
 TRAPS = [name for name, family in FAMILIES.items() if family.trap]
@@ -303,11 +297,10 @@ class Differing(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """What came of a piece: the number of problems, which differ, of which only words do, and seconds."""
+    """What came of a piece: the number of problems, which differ, and seconds."""
 
     problems: int
     differing: list[Differing]
-    reworded: list[Differing]
     seconds: float
 
 
@@ -318,7 +311,7 @@ def answer(problem: Problem) -> tuple[Any, Any]:
         return found, json.loads(json.dumps(plain(found)))
     except Exception as error:  # that too has to stay as it is
         kind = "InputError" if isinstance(error, sn.InputError) else type(error).__name__  # some are TypeErrors, too
-        return None, {"raises": kind, "words": plain(str(error))}
+        return None, {"raises": kind}
 
 
 def written(piece: str) -> tuple[Answers, list[str]]:
@@ -337,33 +330,29 @@ def written(piece: str) -> tuple[Answers, list[str]]:
 def compared(piece: str, before: Answers) -> Compared:
     """Answer the problems of a piece that a file has answers of, and look for differences."""
     began, left = perf_counter(), dict(before)
-    differing, reworded = list[Differing](), list[Differing]()
+    differing = list[Differing]()
     for problem in PIECES[piece]():
         if problem.name not in left:
             continue
         found, after = answer(problem)
-        apart = list(differences(left.pop(problem.name), after))
-        if all(each.of_words for each in apart):
-            reworded += [Differing(problem.name, apart, None)] if apart else []
-            continue
-        fine = None if found is None or problem.right is None else problem.right(found)
-        differing.append(Differing(problem.name, apart, fine))
+        if apart := list(differences(left.pop(problem.name), after)):
+            fine = None if found is None or problem.right is None else problem.right(found)
+            differing.append(Differing(problem.name, apart, fine))
     differing += [Differing(name, [Difference("", "a problem", "none")], None) for name in left]
-    return Compared(len(before), differing, reworded, perf_counter() - began)
+    return Compared(len(before), differing, perf_counter() - began)
 
 
 def lines_of(piece: str, one: Compared) -> Iterator[str]:
     """Say what differs in a piece."""
     equal = one.problems - len(one.differing)
-    yield f"{piece:<32}{one.problems:>9}{equal:>9}{len(one.differing):>11}{len(one.reworded):>11}{one.seconds:>9.0f}"
+    yield f"{piece:<32}{one.problems:>9}{equal:>9}{len(one.differing):>11}{one.seconds:>9.0f}"
     rights = [each.right for each in one.differing if each.right is not None]
     if rights:
         yield f"    judges find {sum(rights)} of {len(rights)} that differ right"
-    for each in (*one.differing[:SHOWN], *one.reworded[:1]):
-        apart = [d for d in each.differences if not d.of_words] or each.differences
-        worst = max((d.relative for d in apart), default=0.0)
-        yield f"    {each.name}: {len(apart)} values differ, by at most {worst:.2g} of themselves"
-        yield from (f"        {d.key}: {_short(d.before)} -> {_short(d.after)}" for d in apart[:SHOWN])
+    for each in one.differing[:SHOWN]:
+        worst = max(d.relative for d in each.differences)
+        yield f"    {each.name}: {len(each.differences)} values differ, by at most {worst:.2g} of themselves"
+        yield from (f"        {d.key}: {_short(d.before)} -> {_short(d.after)}" for d in each.differences[:SHOWN])
 
 
 def _short(value: Any) -> str:
@@ -412,7 +401,7 @@ def compare(file: File, piece: Pieces = None, alone: Alone = False) -> None:
     """Compare the answers of this code with those of FILE: exit code 1 where any differs."""
     answers, asked = read(file), chosen(list(PIECES), piece or ["*"])
     names, absent = ([name for name in PIECES if name in asked and (name in answers) is held] for held in (True, False))
-    typer.echo(f"{'piece':<32}{'problems':>9}{'equal':>9}{'different':>11}{'reworded':>11}{'seconds':>9}")
+    typer.echo(f"{'piece':<32}{'problems':>9}{'equal':>9}{'different':>11}{'seconds':>9}")
     found = []
     for name, one in zip(names, in_processes(_compared, [(name, answers[name]) for name in names], alone), strict=True):
         found.append(one)

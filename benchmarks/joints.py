@@ -10,13 +10,12 @@ that shares nothing with the kernels.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from importlib import import_module
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
+from benchmarks.harness import Goal, Line, Part, Plan, Times
 from benchmarks.judges.judge import right, wrong_at
 from benchmarks.judges.kinematics import link_poses, moving
 from benchmarks.mbm import panda
@@ -48,9 +47,6 @@ FINE, GIVEN = 2000, 10
 
 LED = 2
 """Runs of each more, of which the least time counts."""
-
-REFERENCES = 500
-"""Poses that the analytic solver is asked for."""
 
 
 class Family(NamedTuple):
@@ -148,27 +144,5 @@ def lead(plan: Plan) -> Iterator[Line]:
     yield from lines_of("six axes and three segments", asked, LED, Goal(0.05))
 
 
-def rigid_reference(plan: Plan) -> Iterator[Line]:
-    """Time an analytic solver for six axes, all branches, through Python, where it is installed."""
-    try:
-        reference: Any = import_module("eaik.IK_DH")
-    except ImportError:
-        return
-    # The axes of a UR5, which has a spherical wrist's kind of solutions: standard Denavit-Hartenberg.
-    alpha = np.array([0.5 * math.pi, 0.0, 0.0, 0.5 * math.pi, -0.5 * math.pi, 0.0])
-    a, d = np.array([0.0, -0.425, -0.39225, 0.0, 0.0, 0.0]), np.array([0.089159, 0.0, 0.0, 0.10915, 0.09465, 0.0823])
-    arm = reference.DhRobot(alpha, a, d)
-    rng, seconds = np.random.default_rng(plan.seed), []
-    for _ in range(plan.count(REFERENCES, 2)):
-        pose = arm.fwdKin(rng.uniform(-math.pi, math.pi, 6))
-        seconds.append(timed(arm.IK, pose, runs=RUNS)[1])
-    times = Times.of(seconds)
-    yield Line(SECTION, "EAIK, six axes, all branches, a call through Python", times.median, "us", None, times)
-
-
-PARTS: dict[str, Part] = {
-    **{family.name: partial(measure, family=family) for family in FAMILIES},
-    "EAIK": rigid_reference,
-    "led": lead,
-}
+PARTS: dict[str, Part] = {**{family.name: partial(measure, family=family) for family in FAMILIES}, "led": lead}
 """What is measured, in order."""

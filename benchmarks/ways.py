@@ -1,4 +1,4 @@
-"""`ablation`, `demanded`, `remembered`, `explored`: places solved in several ways, each held against another.
+"""`ablation`, `remembered`, `explored`: places solved in several ways, each held against another.
 
 What counts is the CPU time of the thread, so that other work on the machine hardly matters. Answers count when the
 judges find them right.
@@ -16,7 +16,6 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.harness import Experiment, Line, Plan, Times, Trial, divided, refuted, solved_within, timed
-from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.judge import wrong_in
 from benchmarks.motion.known import straight
 from benchmarks.places import FAMILIES, Place, make
@@ -93,41 +92,6 @@ def _ablated(place: Place, way: str) -> tuple[Trial, bool]:
 def _judged(place: Place, solution: sn.Solution, spent: float) -> Trial:
     wrong = solution.solved and not right(place, solution.configuration)
     return Trial(place.seed, spent, str(solution.status), "refuted" * wrong)
-
-
-SHARE, TRACE = 0.5, 1e-6
-"""What is demanded, of the clearance of the hidden shape; and a clearance that changes nothing, in radii."""
-
-TURNS = 8
-"""Solves in each way, of which the least counts."""
-
-
-def demanding(_: Plan, place: Place) -> Iterator[Found]:
-    """Solve a place with a clearance demanded, and by a body that is thicker by as much, in turns.
-
-    The hidden shape keeps what is demanded. A millionth of the radius demanded is held against the problem without. An
-    answer counts where judges find it as clear as was demanded.
-    """
-    robot, hidden = place.robot, least_clearance(place.robot, place.scene, place.hidden_q[None])[0]
-    clearance, trace = SHARE * max(0.0, float(hidden)), TRACE * max(robot.radii)
-    thicker = [each.changed(radius=each.radius + clearance) for each in robot.segments]
-    asked = {
-        "as ever": (robot, 0.0),
-        "a trace demanded": (robot.changed(clearance=trace), trace),
-        "thicker": (robot.changed(segments=thicker), clearance),
-        "demanded": (robot.changed(clearance=clearance), clearance),
-    }
-    solvers = [
-        (way, Solver(own, place.scene, tolerance=place.tolerance, time=PATIENCE * LIMIT), least)
-        for way, (own, least) in asked.items()
-    ]
-    turns = [[measured(each.solve, place.targets) for way, each, least in solvers] for turn in range(TURNS)]
-    for (way, _solver, least), found in zip(solvers, zip(*turns, strict=True), strict=True):
-        solution, spent = found[0][0], min(spent for _, spent in found)
-        trial = _judged(place, solution, spent)
-        if solution.solved and least_clearance(robot, place.scene, solution.q[None])[0] < least * (1.0 - 1e-9):
-            trial = trial._replace(wrong="less clearance than is demanded")
-        yield way, trial
 
 
 SHORTEST, LONGEST = 1e-3, 0.5
@@ -225,12 +189,6 @@ WAYS = {
     "ablation": Ways(
         without_attempts, dict.fromkeys([EVERYTHING, *ONE_OFF], EVERYTHING), places=3, within=LIMIT, whole=True
     ),
-    "demanded": Ways(
-        demanding,
-        {"as ever": "as ever", "a trace demanded": "as ever", "thicker": "thicker", "demanded": "thicker"},
-        places=5,
-        within=LIMIT,
-    ),
     "remembered": Ways(
         remembering, {"with a memory": "without", "without": "without"}, places=2, within=PATIENCE * LIMIT
     ),
@@ -256,7 +214,7 @@ def _compare(name: str, plan: Plan) -> Experiment:
     return Experiment(name, plan, parts, protocol, partial(total_of, name))
 
 
-ablation, demanded, remembered, explored = (partial(_compare, name) for name in WAYS)
+ablation, remembered, explored = (partial(_compare, name) for name in WAYS)
 
 
 def examine(name: str, plan: Plan, family: str, number: int) -> list[Found]:

@@ -17,6 +17,7 @@ from sinuous.cli.app import app, main
 from sinuous.cli.options import Output
 from sinuous.files.nouns import KEYS, keys_of
 from sinuous.methods.method import LIMITS, METHODS, capabilities
+from sinuous.scene.obstacles import PRIMITIVES
 from sinuous.view.pictures.figures import MOVIES
 from tests.helpers import with_each
 
@@ -173,7 +174,7 @@ def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytes
 def test_the_page_of_formats_names_every_key_option_and_status() -> None:
     text = "".join((DOCS / page).read_text(encoding="utf-8") for page in ("format.md", "clusters.md", "viewer.md"))
     nouns = (sn.Robot, sn.Segment, sn.Tendons, sn.Chambers, sn.Stage, sn.Stiffness, sn.Payload, sn.Actuators)
-    obstacles = (sn.Sphere, sn.Box, sn.Capsule, sn.Cylinder, sn.HalfSpace, sn.Mesh, sn.PointCloud, sn.Grid)
+    obstacles = (*PRIMITIVES.values(), sn.Mesh, sn.PointCloud, sn.Grid)
     asked = (sn.Revolute, sn.Prismatic, sn.Target, sn.Tolerance, sn.Preferences, sn.Rates)
     keys = {*KEYS, *(key for noun in (*nouns, *obstacles, *asked) for key in keys_of(noun)[0])}
     answer = sn.solve(sn.Robot.uniform(2, 50), sn.Target((30, 0, 80)))

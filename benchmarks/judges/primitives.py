@@ -43,9 +43,9 @@ def distances_to(obstacles: Sequence[Primitive], size: float = math.inf) -> list
 
 
 def _largest(obstacle: Primitive) -> float:
-    """The largest number that describes an obstacle."""
-    names = ("center", "radius", "size", "start", "end", "point")
-    return max(float(np.abs(getattr(obstacle, name)).max()) for name in names if hasattr(obstacle, name))
+    """No coordinate of what describes an obstacle is larger."""
+    center, _, half, rounding = obstacle.frame
+    return float(np.abs(center).max() + np.linalg.norm(half) + rounding)
 
 
 def _signs(obstacles: Sequence[Primitive]) -> Floats:

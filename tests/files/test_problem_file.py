@@ -10,6 +10,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.motion.job import read_problem
+from sinuous.scene.obstacles import PRIMITIVES
 from tests.helpers import present
 from tests.scene.shapes import cube, obj, together
 
@@ -213,9 +214,9 @@ WRONG = {
     "robot: {segments: {length: 1}, actuators: [[1, 0, 0]]}": "robot.actuators: expected a mapping with matrix, names",
     "robot: 3": "robot: expected a mapping with segments, joints, radius, mount, base, tool, self_collision, ",
     "scene: {}": "scene: expected a list of obstacles, got {}",
-    "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space",
+    "scene: [ball]": f"scene[0]: expected a mapping with {', '.join(PRIMITIVES)}",
     "scene: [{spere: {}}]": "scene[0].spere: unknown key; did you mean 'sphere'?",
-    "scene: [{sphere: {}, box: {}}]": "scene[0]: expected one of sphere, box, capsule, cylinder, half_space, mesh",
+    "scene: [{sphere: {}, box: {}}]": f"scene[0]: expected one of {', '.join(PRIMITIVES)}, mesh",
     "scene: [{sphere: {center: [0, 0, 0]}}]": "scene[0].sphere.radius: missing; expected a number, got {'center': [0,",
     "scene: [{sphere: {center: [0, 0], radius: 1}}]": "scene[0].sphere.center: expected 3 finite numbers, got [0, 0]",
     "scene: [{half_space: {normal: [0, 0, 1], inside: true}}]": "scene[0].half_space.inside: unknown key; expected",

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
+from sinuous.scene.obstacles import Obstacle
 from tests.helpers import present, refused, with_each
 from tests.scene.shapes import EACH_KIND
 
@@ -19,7 +20,7 @@ POINTS = RNG.normal(size=(150, 3)) * 1.5
 
 @with_each("obstacle", [make() for make in EACH_KIND.values()])
 @with_each("when", [-1.0, 0.0, 0.3, 2.2, 9.0])
-def test_distances_at_a_time_are_those_in_the_moved_frame(obstacle: sn.Sphere | sn.Mesh, when: float) -> None:
+def test_distances_at_a_time_are_those_in_the_moved_frame(obstacle: Obstacle, when: float) -> None:
     moving = sn.Moving(obstacle, TIMES, POSITIONS, TURNS)
     pose = moving.pose(when)
     own = (POINTS - pose[:3, 3]) @ pose[:3, :3]

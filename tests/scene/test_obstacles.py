@@ -15,6 +15,8 @@ from sinuous.scene.obstacles import PRIMITIVES, Box, Capsule, Cylinder, HalfSpac
 from sinuous.view.display.surfaces import obstacle_surface
 from sinuous.view.page.edits import KINDS, make_obstacle
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each, with_each
+from tests.scene.shapes import EACH_KIND
+from tests.scene.test_conformance import FIELDS
 
 VECTORS: list[tuple[str, Callable[[Any], Any]]] = [
     ("center", lambda v: Sphere(v, 1)),
@@ -64,10 +66,12 @@ def test_shapes_without_a_body_are_refused() -> None:
     refused("rotation", lambda: Box((0, 0, 0), (1, 1, 1), (0, 0, 0, 0)))
 
 
-def test_every_exact_kind_is_known_everywhere(tmp_path: Path) -> None:
+def test_every_exact_kind_is_known_to_files_pages_pictures_measures_judges_and_laws(tmp_path: Path) -> None:
     own = {kind for kind in Primitive.__subclasses__() if kind.__module__ == Primitive.__module__}
     assert own == set(PRIMITIVES.values()) == set(JUDGED)
     assert list(PRIMITIVES) == list(KINDS)  # what can be made by hand
+    assert own <= {type(make()) for make in EACH_KIND.values()}
+    assert own <= {type(make().obstacle) for make in FIELDS.values()}
     keys = (Path(__file__).parents[2] / "docs" / "format.md").read_text(encoding="utf-8")
     for name, kind in PRIMITIVES.items():
         made = make_obstacle(name, np.ones(3), 0.5)

@@ -135,6 +135,9 @@ class Obstacle(Frozen, ABC):
     is_function: ClassVar[bool] = False
     """Whether code says where it is, so that no file can."""
 
+    has_edges: ClassVar[bool] = True
+    """Whether its surface may have edges, which routes bend around."""
+
     @property
     def source(self) -> Origin | None:
         """The file that it was read from, and how; `None` when it is from none."""
@@ -241,6 +244,7 @@ class Sphere(Primitive):
     """
 
     _code = SPHERE
+    has_edges = False
 
     center: Floats
     radius: float
@@ -331,7 +335,8 @@ class Capsule(Primitive):
     name : str, optional
     """
 
-    _code = BOX
+    _code = BOX  # of no width, rounded
+    has_edges = False
 
     start: Floats
     end: Floats
@@ -390,6 +395,12 @@ class Cylinder(Primitive):
     def frame(self) -> Frame:
         """See `Primitive.frame`."""
         return _along(self.start, self.end, self.radius)
+
+    @property
+    def _box(self) -> Floats:
+        center, rotation, half, _ = self.frame
+        disk = self.radius * np.hypot(rotation[:, 0], rotation[:, 1])
+        return box_around(center[None], disk + half[2] * np.abs(rotation[:, 2]))
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -462,7 +473,7 @@ def rows_of(obstacles: Sequence[Primitive]) -> Floats:
         listed = [obstacles[i] for i in boxes]
         centers[boxes], turns[boxes] = [own.center for own in listed], [own.rotation for own in listed]
         half[boxes], rounding[boxes] = 0.5 * np.array([own.size for own in listed]), 0.0
-    for i in sorted(set(range(len(obstacles))) - set(lines) - set(boxes)):
+    for i in sorted(set(range(len(obstacles))) - set(lines) - set(boxes)):  # of all other kinds, slower
         centers[i], turns[i], half[i], rounding[i] = obstacles[i].frame
     codes, inside = np.array([own._code for own in obstacles]), np.array([own.inside for own in obstacles])
     return primitive_rows(codes, inside, centers, turns, half, rounding)
@@ -470,7 +481,7 @@ def rows_of(obstacles: Sequence[Primitive]) -> Floats:
 
 def boxes_of(obstacles: Sequence[Obstacle]) -> dict[int, Floats]:
     """Opposite corners (2, 3) of boxes about obstacles that end somewhere, by their number; of many together."""
-    exact = [i for i in indices_of(Primitive, obstacles) if not isinstance(obstacles[i], HalfSpace)]
+    exact = [i for i in indices_of(Primitive, obstacles) if type(obstacles[i])._box is Primitive._box]
     if len(exact) < MANY_OBSTACLES:
         return {i: box for i, own in enumerate(obstacles) if (box := own._box) is not None}
     rows = rows_of([obstacles[i] for i in exact])  # type: ignore[misc]  # these are primitives

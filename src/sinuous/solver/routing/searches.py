@@ -21,7 +21,7 @@ from sinuous.kernels.tubes import MOUTH
 from sinuous.model.robot import Robot, robot_group
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
-from sinuous.scene.obstacles import Box, Capsule, Sphere
+from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solver.attempts import Deadline
@@ -263,11 +263,8 @@ class Searches:
         return known[1]
 
     def only_balls(self, problem: Problem) -> bool:
-        """Whether all obstacles are balls or capsules: nothing is enclosed, and nothing has edges."""
-        return all(
-            isinstance(obstacle, Capsule) or (isinstance(obstacle, Sphere) and not obstacle.inside)
-            for obstacle in problem.scene.obstacles
-        )
+        """Whether all obstacles are such as balls and capsules: nothing is enclosed, and nothing has edges."""
+        return not any(obstacle.has_edges or obstacle.inside for obstacle in problem.scene.obstacles)
 
     def by_tubes(self, problem: Problem, query: Floats, deadline: Deadline) -> Floats | None:
         """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""

@@ -133,7 +133,6 @@ FIELDS: dict[str, Callable[[], Case]] = {
 }
 EXACT = [name for name in FIELDS if name not in ("sampled distances", "function")]
 SAMPLED = [name for name in FIELDS if name not in EXACT]
-PRIMITIVE = [name for name in FIELDS if isinstance(FIELDS[name]().obstacle, Primitive)]
 AROUND = ("room", "hall", "drum", "mesh around")
 CASES: dict[str, Case] = {}
 
@@ -201,7 +200,8 @@ def test_a_tangent_bounds_the_distance_to_a_primitive(name: str) -> None:
     a = np.concatenate([around(11, 1000), close(name, 12, 500)])
     b = a + rng.normal(size=a.shape) * rng.choice([1e-2, 0.3, 2.0], (len(a), 1))
     above = scene.distance(b) - scene.distance(a) - (scene.gradient(a) * (b - a)).sum(axis=1)
-    assert ((-above if name in AROUND else above) >= -1e-9).all()
+    rounding = 1e-12 * (1.0 + np.linalg.norm(b - a, axis=1))
+    assert ((-above if name in AROUND else above) >= -rounding).all()
 
 
 @with_each("name", EXACT)
@@ -218,28 +218,6 @@ def test_gradients_are_unit_and_the_slope(name: str) -> None:
         smooth &= abs(forward - 2 * here + back) < 1e-3 * h  # no kink within the stencil
     assert smooth.mean() > 0.9
     np.testing.assert_allclose(slopes[smooth], gradients[smooth], atol=2e-3)
-
-
-def is_convex(scene: sn.Scene, sign: float, x: Floats, y: Floats) -> bool:
-    """Whether no tangent at x is above the distance, times a sign, at y."""
-    offsets = y - x
-    tangents = scene.distance(x) + (scene.gradient(x) * offsets).sum(axis=1)
-    size = 1.0 + np.linalg.norm(offsets, axis=1)
-    return bool((sign * (scene.distance(y) - tangents) >= -1e-12 * size).all())
-
-
-@with_each("name", PRIMITIVE)
-def test_tangents_of_exact_obstacles_are_lower_bounds(name: str) -> None:
-    """Proofs rely on it: the distance to what is convex is a convex function, and a concave one from inside."""
-    x, y = (np.concatenate([around(seed, 2000), close(name, seed, 1000)]) for seed in (22, 23))
-    obstacle = case(name).obstacle
-    assert is_convex(sn.Scene([obstacle]), -1.0 if obstacle.inside else 1.0, x, y)
-    assert is_convex(sn.Scene([obstacle]), -1.0 if obstacle.inside else 1.0, x, x + 0.1 * (y - x))
-
-
-def test_tangents_of_what_is_not_convex_are_no_bounds() -> None:
-    x, y = around(24, 2000), around(25, 2000)
-    assert not is_convex(sn.Scene([case("mesh with a dent").obstacle]), 1.0, x, y)
 
 
 UPRIGHT = [

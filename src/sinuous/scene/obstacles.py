@@ -27,6 +27,7 @@ from sinuous.kernels.tables import (
     CYLINDER,
     HALF_EXTENTS,
     HALF_SPACE,
+    KIND,
     MANY_OBSTACLES,
     ROUNDING_RADIUS,
     SPHERE,
@@ -399,8 +400,14 @@ class Cylinder(Primitive):
     @property
     def _box(self) -> Floats:
         center, rotation, half, _ = self.frame
-        disk = self.radius * np.hypot(rotation[:, 0], rotation[:, 1])
-        return box_around(center[None], disk + half[2] * np.abs(rotation[:, 2]))
+        return box_around(center[None], _half_sizes_of_cylinders(rotation[None], half[None])[0])
+
+
+def _half_sizes_of_cylinders(axes: Floats, half: Floats) -> Floats:
+    """Half sizes (m, 3) of boxes about cylinders, from their axes (m, 3, 3) and half extents (m, 3) along these."""
+    disks = half[:, :1] * np.hypot(axes[:, :, 0], axes[:, :, 1])
+    sizes: Floats = disks + half[:, 2:] * np.abs(axes[:, :, 2])
+    return sizes
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -481,12 +488,14 @@ def rows_of(obstacles: Sequence[Primitive]) -> Floats:
 
 def boxes_of(obstacles: Sequence[Obstacle]) -> dict[int, Floats]:
     """Opposite corners (2, 3) of boxes about obstacles that end somewhere, by their number; of many together."""
-    exact = [i for i in indices_of(Primitive, obstacles) if type(obstacles[i])._box is Primitive._box]
+    exact = [i for i in indices_of(Primitive, obstacles) if type(obstacles[i])._box in (Primitive._box, Cylinder._box)]
     if len(exact) < MANY_OBSTACLES:
         return {i: box for i, own in enumerate(obstacles) if (box := own._box) is not None}
     rows = rows_of([obstacles[i] for i in exact])  # type: ignore[misc]  # these are primitives
-    turns, half = np.abs(rows[:, AXES : AXES + 9].reshape(-1, 3, 3)), rows[:, HALF_EXTENTS : HALF_EXTENTS + 3]
-    extents = np.einsum("mij,mj->mi", turns, half) + rows[:, ROUNDING_RADIUS, None]
+    axes, half = rows[:, AXES : AXES + 9].reshape(-1, 3, 3), rows[:, HALF_EXTENTS : HALF_EXTENTS + 3]
+    extents = np.einsum("mij,mj->mi", np.abs(axes), half) + rows[:, ROUNDING_RADIUS, None]
+    cylinders = rows[:, KIND] == CYLINDER
+    extents[cylinders] = _half_sizes_of_cylinders(axes[cylinders], half[cylinders])
     centers = rows[:, CENTER : CENTER + 3]
     boxes = dict(zip(exact, np.stack([centers - extents, centers + extents], axis=1), strict=True))
     others = set(range(len(obstacles))) - set(exact)

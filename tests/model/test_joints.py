@@ -58,6 +58,7 @@ def test_the_tip_is_the_product_of_exponentials() -> None:
             pose = pose @ expm(twist_matrix(one))
         np.testing.assert_allclose(robot.tip(q, joints), pose @ robot.tool, atol=1e-13)
         whole = robot.with_joints(q, joints)
+        np.testing.assert_allclose(robot.tip(whole + 1e-17), pose @ robot.tool, atol=1e-13)  # rounding moves nothing
         np.testing.assert_array_equal(robot.tip(whole), robot.tip(q, joints))
         ends = robot.forward(q, joints)
         assert len(ends) == len(robot) == len(whole)

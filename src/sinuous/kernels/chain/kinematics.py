@@ -62,15 +62,15 @@ def put_base(frames: Array, base: Array) -> None:
 def _past_rigid(limits: Array, k: int, bend: float, length: float, rotation: Mat, position: Vec) -> tuple[Mat, Vec]:
     """The frame in which the row after a joint or a link begins, of that in which it begins.
 
-    It bends about its y axis, without length, or is straight.
+    It is displaced along its z axis (prismatic), or bends about its y axis (revolute); the other of both is 0, but for
+    rounding of those who gave it.
     """
+    position = add_scaled(position, length, (rotation[0][2], rotation[1][2], rotation[2][2]))
     if bend != 0.0:
         S, G, _, _ = coefficients(bend * bend)
         sine, cosine = S * bend, 1.0 - G * bend * bend
         x, y, z = transpose(rotation)
         rotation = transpose((add_scaled(scale(cosine, x), -sine, z), y, add_scaled(scale(cosine, z), sine, x)))
-    else:
-        position = add_scaled(position, length, (rotation[0][2], rotation[1][2], rotation[2][2]))
     return compose(rotation, position, get_mat(limits, k, TAIL), get_vec(limits, k, TAIL + POSE_POSITION))
 
 

@@ -25,9 +25,9 @@ from tests.helpers import (
     frames_of,
     kernel_scene,
     make_rows,
+    random_pose,
     random_rotation,
 )
-from tests.kernels.step.test_targets import Case
 from tests.kernels.workspace import NEVER, make_clock
 
 SAMPLES = 120
@@ -213,26 +213,22 @@ def test_rows_are_never_more_than_there_is_room_for() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_contact_rows_are_the_derivative_of_the_distance(seed: int) -> None:
-    case = Case(seed, N)
-    q = case.q
-    q[:, 2] += 0.1
+    rng = np.random.default_rng(seed)
+    q, base = configurations(seed, N, 1)[0] + [0.0, 0.0, 0.1], random_pose(rng)
     k = seed % N
     mount = 0.03 if seed % 2 else 0.0
     start = mount / q[k, 2]
     s = start + 0.5 * (1 - start)
-    case = Case(seed, N)
-    frames = frames_of(q, case.base)
-    case.q[:] = q
 
     def place(x: Floats) -> Floats:
-        return np.asarray(expm_chain(np.concatenate([x[:k], s * x[k : k + 1]]), case.base)[-1][:3, 3])
+        return np.asarray(expm_chain(np.concatenate([x[:k], s * x[k : k + 1]]), base)[-1][:3, 3])
 
     at = place(q)
-    offset = random_rotation(case.rng)
+    offset = random_rotation(rng)
     scene = sn.Scene(
         [sn.Sphere(at + 0.3 * offset[0], 0.2), sn.Capsule(at + 0.4 * offset[1], at + 0.5 * offset[2], 0.3)]
     )
-    rows, count, _ = contacts(q, frames, scene, k, (0.5, 0.0), 0, mount)
+    rows, count, _ = contacts(q, frames_of(q, base), scene, k, (0.5, 0.0), 0, mount)
     assert count == 2
     for i in range(2):
         single = sn.Scene(scene.obstacles[i : i + 1])
@@ -242,15 +238,10 @@ def test_contact_rows_are_the_derivative_of_the_distance(seed: int) -> None:
             step.flat[j] = 1e-6
             slope.flat[j] = (single.distance(place(q + step)) - single.distance(place(q - step))) / 2e-6
         assert rows.value[i] == pytest.approx((RADII[k] + 0.5 - single.distance(at)) / 2.0, abs=1e-12)
-        np.testing.assert_allclose(seen(case, rows, i, k), slope / 2.0, atol=1e-8)
-
-
-def seen(case: Case, rows: Any, i: int, k: int) -> Floats:
-    """What row `i` of segment `k` sees of every coordinate."""
-    out = np.zeros((N, 3))
-    out[: k + 1] = columns_of(case.q, case.base)[: k + 1].reshape(-1, 3, 6) @ rows.twist[i]
-    out[k] += rows.inner[i]
-    return out
+        seen = np.zeros((N, 3))
+        seen[: k + 1] = columns_of(q, base)[: k + 1].reshape(-1, 3, 6) @ rows.twist[i]
+        seen[k] += rows.inner[i]
+        np.testing.assert_allclose(seen, slope / 2.0, atol=1e-8)
 
 
 def large_obstacle(kind: str, size: float, off: float) -> tuple[Obstacle, Fraction]:

@@ -17,7 +17,7 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.newton import MISSED
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, pick
-from tests.helpers import Floats, kernel_problem, present, random_pose
+from tests.helpers import Floats, kernel_problem, random_pose
 from tests.kernels.workspace import NEVER, make_workspace, put
 
 WIDE = sn.Robot(
@@ -44,24 +44,29 @@ def shape(robot: sn.Robot, seed: int, share: float = 0.4) -> Floats:
 
 
 def targets_at(robot: sn.Robot, q: Floats, seed: int) -> list[sn.Target]:
-    """Targets that a configuration meets: the whole pose of the tip, and the place of a segment before it."""
-    tip, inner = robot.tip(q), robot.forward(q)
-    first = sn.Target(tip[:3, 3], rotation=tip[:3, :3])
-    return [first] if seed % 2 else [first, sn.Target(inner[1, :3, 3], segment=2)]
+    """Targets that a configuration meets: pose or direction of the tip, and place or direction of a segment before."""
+    tip, inner = robot.tip(q), robot.forward(q)[1]
+    whole, elbow = sn.Target(tip[:3, 3], rotation=tip[:3, :3]), sn.Target(inner[:3, 3], segment=2)
+    pointing = [sn.Target(tip[:3, 3], direction=tip[:3, 2]), sn.Target(direction=inner[:3, 2], segment=2)]
+    return [[whole, elbow], [whole], pointing][seed % 3]
 
 
 def dense(robot: sn.Robot, targets: list[sn.Target], q: Floats) -> tuple[Floats, Floats]:
-    """Jacobian and what is missing, in the units of a step: lengths relative to that of the robot."""
+    """Jacobian and what is missing, places before turns, in the units of a step: lengths relative to the robot's."""
     unit = robot.mean_length
-    matrices, missing = [], []
+    places, turns = list[tuple[Floats, Floats]](), list[tuple[Floats, Floats]]()
     for target in targets:
         jacobian = robot.jacobian(q, target.segment)
         end = robot.tip(q) if target.segment is None else robot.forward(q)[target.segment - 1]
-        matrices.append(jacobian[3:] / unit)
-        missing.append((present(target.position) - end[:3, 3]) / unit)
+        tangent = end[:3, 2]
+        if target.position is not None:
+            places.append((jacobian[3:] / unit, (target.position - end[:3, 3]) / unit))
         if target.rotation is not None:
-            matrices.append(jacobian[:3])
-            missing.append(Rotation.from_matrix(target.rotation @ end[:3, :3].T).as_rotvec())
+            turns.append((jacobian[:3], Rotation.from_matrix(target.rotation @ end[:3, :3].T).as_rotvec()))
+        elif target.direction is not None:
+            turn = Rotation.align_vectors(target.direction, tangent)[0]  # the shortest
+            turns.append(((np.eye(3) - np.outer(tangent, tangent)) @ jacobian[:3], turn.as_rotvec()))
+    matrices, missing = zip(*places, *turns, strict=True)
     return np.concatenate(matrices), np.concatenate(missing)
 
 
@@ -72,13 +77,13 @@ def linearised(problem: Problem, q: Floats) -> tuple[Any, Any]:
     return state, work
 
 
-@pytest.mark.parametrize("mu", [1e-6, 1e-2, 10.0])
+@pytest.mark.parametrize(("far", "mu"), [(1e-3, 1e-6), (1e-3, 1e-2), (1e-3, 10.0), (0.3, 1e3)])
 @pytest.mark.parametrize("seed", range(6))
-def test_the_step_is_the_dense_damped_gauss_newton_step(seed: int, mu: float) -> None:
-    """Among limits that it does not reach: a small way from where the targets are met."""
+def test_the_step_is_the_dense_damped_gauss_newton_step(seed: int, far: float, mu: float) -> None:
+    """Among limits that it does not reach: a small way from where the targets are met, or held back by damping."""
     goal = shape(WIDE, seed)
     rng = np.random.default_rng(seed)
-    q = goal + 1e-3 * rng.normal(size=goal.shape) * [1, 1, 0]
+    q = goal + far * rng.normal(size=goal.shape) * [1, 1, 0]
     targets = targets_at(WIDE, goal, seed)
     state, work = linearised(kernel_problem(WIDE, targets), q)
     bound = newton.step(kernel_problem(WIDE, targets), state, work, mu)
@@ -87,9 +92,12 @@ def test_the_step_is_the_dense_damped_gauss_newton_step(seed: int, mu: float) ->
     system = np.concatenate([jacobian * scale / math.sqrt(mu), np.eye(len(scale))])
     z = np.linalg.lstsq(system, np.concatenate([missing / math.sqrt(mu), np.zeros(len(scale))]))[0]
     assert not bound
-    np.testing.assert_allclose(work.step.ravel(), scale * z, atol=1e-9)
+    np.testing.assert_allclose(work.step.ravel(), scale * z, atol=1e-9 / max(1.0, mu))
     # A segment that cannot stretch does not.
     np.testing.assert_array_equal(work.step[1, 2], 0.0)
+    sizes, places = np.linalg.norm(missing.reshape(-1, 3), axis=1), sum(each.position is not None for each in targets)
+    assert state.norms[POSITION] == pytest.approx(WIDE.mean_length * sizes[:places].max())
+    assert state.norms[ANGLE] == pytest.approx(sizes[places:].max())
 
 
 @given(st.integers(0, 10**6), st.sampled_from([1e-10, 1e-3, 1.0]))

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import sinuous as sn
 from sinuous.files import link_capsules
 from sinuous.model.joints import Fixed, LinkCapsule
-from tests.helpers import Floats, with_each
+from tests.helpers import Floats, refused, with_each
 
 SIX = """<robot name="six">
 <link name="world"/>
@@ -215,10 +215,8 @@ def test_arguments_that_do_not_fit_are_refused(six: Path, arguments: dict[str, A
 
 def test_a_missing_reader_is_named(six: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "yourdfpy", None)
-    with pytest.raises(
-        sn.InputError, match=r"^urdf: needs yourdfpy; expected it installed: pip install sinuous\[urdf\]"
-    ):
-        sn.read_joints(six, "tool0")
+    words = "needs yourdfpy; expected it installed: pip install sinuous[urdf]"
+    refused("urdf", lambda: sn.read_joints(six, "tool0"), words)
 
 
 def test_a_robot_that_was_read_is_saved_and_loaded(six: Path) -> None:

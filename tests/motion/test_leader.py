@@ -8,7 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.measures.following import body_places
 from sinuous.motion import leader
-from tests.helpers import present, with_each
+from tests.helpers import present, refused, with_each
 
 BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])
 STAGED = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), BEZIER.length)
@@ -99,28 +99,26 @@ def test_the_tool_is_not_led() -> None:
 
 
 @with_each(
-    ("robot", "curve", "options", "message"),
+    ("key", "given", "words"),
     [
         (
-            sn.Robot.uniform(3, 1.0),
-            BEZIER,
-            {},
-            r"robot: no segment stretches; expected an insertion stage \(see on_stage\), or such segments",
+            "robot",
+            {"robot": sn.Robot.uniform(3, 1.0)},
+            "no segment stretches; expected an insertion stage (see on_stage), or such segments",
         ),
-        (UNROLLING, BEZIER, {}, "curve: expected more than 50 and at most 350 from the base"),
+        ("curve", {"robot": UNROLLING}, "expected more than 50 and at most 350 from the base"),
         (
-            STAGED,
-            [(1, 0, -3), (2, 0, -3)],
-            {},
-            r"curve: leads elsewhere; expected a curve that begins along the axis of the base",
+            "curve",
+            {"curve": [(1, 0, -3), (2, 0, -3)]},
+            "leads elsewhere; expected a curve that begins along the axis of the base",
         ),
-        (STAGED, [(0, 0, 0)], {}, "curve: expected at least two points"),
-        (STAGED, BEZIER, {"tip_deviation": 0.0}, "tip_deviation: expected a number greater than 0"),
+        ("curve", {"curve": [(0, 0, 0)]}, "expected at least two points"),
+        ("tip_deviation", {"tip_deviation": 0.0}, "expected a number greater than 0"),
     ],
 )
-def test_what_cannot_be_followed_is_refused(robot: sn.Robot, curve: Any, options: Any, message: str) -> None:
-    with pytest.raises(sn.InputError, match=message):
-        sn.follow_the_leader(robot, curve, **options)
+def test_what_cannot_be_followed_is_refused(key: str, given: dict[str, Any], words: str) -> None:
+    whole: dict[str, Any] = {"robot": STAGED, "curve": BEZIER, **given}
+    refused(key, lambda: sn.follow_the_leader(**whole), words)
 
 
 def test_what_is_known_of_each_segment_goes_onto_the_stage_too() -> None:

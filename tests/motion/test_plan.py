@@ -3,6 +3,7 @@
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -156,11 +157,8 @@ def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() 
     motion = sn.plan(ROBOT, bent, STRAIGHT, ball)
     assert motion.status is sn.Status.TARGET_BLOCKED
     assert present(motion.worst).obstacle == "ball"
-    with pytest.raises(
-        sn.InputError,
-        match=r"^goal: length of segment 1 is 0.3 beyond its limit; expected a configuration within all limits",
-    ):
-        sn.plan(ROBOT, bent, [[0.0, 0.0, 1.5]] * 4)
+    words = "length of segment 1 is 0.3 beyond its limit; expected a configuration within all limits"
+    refused("goal", lambda: sn.plan(ROBOT, bent, [[0.0, 0.0, 1.5]] * 4), words)
 
 
 def test_what_was_not_found_is_not_called_impossible() -> None:
@@ -178,23 +176,22 @@ def test_what_was_not_found_is_not_called_impossible() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("key", "value", "words"),
     [
-        ({"shortcuts": -1}, r"^shortcuts: expected"),
-        ({"time": -1.0}, r"^time: expected"),
-        ({"pace": 1}, r"^pace: unknown option; expected one of robot, start, goal, scene, tolerance"),
+        ("shortcuts", -1, ": expected"),
+        ("time", -1.0, ": expected"),
+        ("pace", 1, ": unknown option; expected one of robot, start, goal, scene, tolerance"),
     ],
 )
-def test_wrong_options_are_refused(options: dict[str, float], message: str) -> None:
-    with pytest.raises(sn.InputError, match=message):
-        sn.plan(ROBOT, STRAIGHT, STRAIGHT, **options)  # type: ignore[arg-type]
+def test_wrong_options_are_refused(key: str, value: Any, words: str) -> None:
+    refused(key, lambda: sn.plan(ROBOT, STRAIGHT, STRAIGHT, **{key: value}), words)
 
 
 def test_wrong_ends_are_refused() -> None:
     refused("start", lambda: sn.plan(ROBOT, [[0, 0, 1]], STRAIGHT), "shape (1, 3); expected ", "3")
     refused("goal", lambda: sn.plan(ROBOT, STRAIGHT, [[0, 0, 1]]), "shape (1, 3); expected ", "3")
-    with pytest.raises(sn.InputError, match=r"^goal\[1\]: expected a Target"):
-        sn.plan(ROBOT, STRAIGHT, [sn.Target((0, 0, 3)), 4])  # type: ignore[arg-type]
+    two: Any = [sn.Target((0, 0, 3)), 4]
+    refused("goal[1]", lambda: sn.plan(ROBOT, STRAIGHT, two), "expected a Target")
     refused("robot", lambda: sn.plan(None, STRAIGHT, STRAIGHT), "missing; expected a Robot")  # type: ignore[arg-type]
 
 

@@ -2,6 +2,7 @@
 
 import csv
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -70,9 +71,9 @@ def test_tables_have_the_columns_that_are_chosen(tmp_path: Path) -> None:
     whole, own = (list(csv.DictReader(text)) for text in texts)
     assert list(own[0]) == ["row", "status", *names]
     assert own == [{name: row[name] for name in own[0]} for row in whole]
-    for file, wrong in (("own.csv", ["s1.speed"]), ("own.npz", names), ("whole.csv", names)):  # one that has others
-        with pytest.raises(sn.InputError, match="columns"):
-            solve(points(8), tmp_path / file, columns=wrong)
+    refused("columns[0]", lambda: solve(points(8), tmp_path / "own.csv", columns=["s1.speed"]))
+    for file in ("own.npz", "whole.csv"):  # one that has others
+        refused("columns", partial(solve, points(8), tmp_path / file, columns=names))
 
 
 def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
@@ -100,8 +101,7 @@ def test_what_was_begun_otherwise_is_refused_by_name(
 ) -> None:
     out = tmp_path / "out.npz"
     solve(points(30), out, chunk=10, shard=None if finished else (1, 3))
-    with pytest.raises(sn.InputError, match=rf"^{name}: .*changed since this batch began"):
-        solve(points(30), out, **({"chunk": 10} | change))
+    refused(name, lambda: solve(points(30), out, **({"chunk": 10} | change)), "changed since this batch began")
 
 
 def test_another_robot_scene_table_or_version_is_refused_by_name(
@@ -152,5 +152,4 @@ def test_an_initial_configuration_is_where_every_solve_begins() -> None:
     ],
 )
 def test_wrong_options_are_refused(options: dict[str, Any], key: str) -> None:
-    with pytest.raises(sn.InputError, match=rf"^{key}"):
-        sn.studies.solve_batch(ROBOT, points(5), **options)
+    refused(key, lambda: sn.studies.solve_batch(ROBOT, points(5), **options))

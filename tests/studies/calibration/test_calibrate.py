@@ -53,6 +53,13 @@ def measured(robot: sn.Robot, values: Floats, noise: float = 0.0) -> Floats:
     return tips + np.random.default_rng(1).normal(0.0, noise, tips.shape) if noise else tips
 
 
+def sample(count: int, noise: float) -> tuple[sn.Robot, Floats, Floats]:
+    """The elastic robot, settings of its actuators, and what is measured of its tip there."""
+    real = real_robot()
+    values = settings(real, count)
+    return real, values, measured(real, values, noise)
+
+
 def tip_errors(found: sn.studies.Calibration, robot: sn.Robot, values: Floats) -> Floats:
     error: Floats = np.linalg.norm(found.predict(values)[:, :3, 3] - measured(robot, values), axis=1)
     return error
@@ -130,9 +137,8 @@ def test_a_pose_turns_a_robot_under_gravity() -> None:
 
 
 def test_an_elastic_robot_is_found_from_its_tips() -> None:
-    real = real_robot()
-    values = settings(real, 24)
-    found = sn.studies.calibrate(DRAWN, values, measured(real, values, 0.1))
+    real, values, tips = sample(24, 0.1)
+    found = sn.studies.calibrate(DRAWN, values, tips)
     assert found.robot.drive.elastic is not None
     assert tip_errors(found, real, settings(real, 20, seed=9)).mean() < 0.3
     assert found.fitted.mean < 0.3
@@ -154,9 +160,8 @@ def test_outliers_and_rows_that_were_not_seen_count_little() -> None:
 
 @pytest.fixture(scope="module")
 def in_its_own_unit() -> sn.studies.Calibration:
-    real = real_robot()
-    values = settings(real, 30)
-    return sn.studies.calibrate(DRAWN, values, measured(real, values, 0.1), fit=["offsets", "stiffness"])
+    _, values, tips = sample(30, 0.1)
+    return sn.studies.calibrate(DRAWN, values, tips, fit=["offsets", "stiffness"])
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
@@ -168,9 +173,7 @@ def test_the_unit_of_length_does_not_matter(scale: float, in_its_own_unit: sn.st
             if s.tendons is not None
         ]
     )
-    real = real_robot()
-    values = settings(real, 30)
-    tips = measured(real, values, 0.1)
+    _, values, tips = sample(30, 0.1)
     found = sn.studies.calibrate(drawn, scale * values, tips, unit=scale, fit=["offsets", "stiffness"])
     assert found.groups == in_its_own_unit.groups
     assert found.fitted.mean == pytest.approx(scale * in_its_own_unit.fitted.mean, rel=1e-3)
@@ -190,9 +193,7 @@ def test_poses_and_points_of_the_body() -> None:
 
 
 def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> None:
-    real = real_robot()
-    values = settings(real, 120)
-    rows = measured(real, values, 1.0)
+    _, values, rows = sample(120, 1.0)
     found = sn.studies.calibrate(DRAWN, values[:80], rows[:80], fit=["offsets", "stiffness", "circles"])
     off = np.linalg.norm(found.predict(values[80:])[:, :3, 3] - rows[80:], axis=1)
     assert (off <= found.bound()).mean() >= 0.9
@@ -212,9 +213,7 @@ def test_the_bound_holds_for_rows_that_are_held_back_and_proofs_know_it() -> Non
 
 
 def test_rows_that_a_tracker_lost_are_left_out_and_named() -> None:
-    real = real_robot()
-    values = settings(real, 40)
-    tips = measured(real, values, 0.5)
+    real, values, tips = sample(40, 0.5)
     whole = sn.studies.calibrate(DRAWN, values, tips, fit=["offsets"])
     tips[[4, 17]] = 0.0
     found = sn.studies.calibrate(DRAWN, values, tips, fit=["offsets"])
@@ -226,9 +225,7 @@ def test_rows_that_a_tracker_lost_are_left_out_and_named() -> None:
 
 
 def test_outliers_and_rows_that_stall_are_named() -> None:
-    real = real_robot()
-    values = settings(real, 40)
-    tips = measured(real, values, 0.5)
+    _, values, tips = sample(40, 0.5)
     whole = sn.studies.calibrate(DRAWN, values, tips, fit=["offsets"])
     assert whole.outliers == ()
     assert not any("off by more" in note or "repeat" in note for note in whole.notes)
@@ -246,9 +243,7 @@ def test_outliers_and_rows_that_stall_are_named() -> None:
 
 
 def test_a_mistake_that_explains_most_of_the_error_is_told() -> None:
-    real = real_robot()
-    values = settings(real, 30)
-    tips = measured(real, values, 0.5)
+    _, values, tips = sample(30, 0.5)
     order = [1, 0, *range(2, values.shape[1])]
     signs = np.where(np.arange(values.shape[1]) == 2, -1.0, 1.0)
     names = [actuator.name for actuator in DRAWN.actuators]

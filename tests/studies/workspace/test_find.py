@@ -10,6 +10,7 @@ import sinuous as sn
 from sinuous.studies.runs.engine import Checkpoint
 from sinuous.studies.workspace import find
 from sinuous.studies.workspace.reach import Verdict
+from tests.helpers import refused
 from tests.studies.workspace.maps import ROBOT, SPACING, WALL, made
 
 
@@ -141,7 +142,7 @@ def test_wherever_it_ends_the_same_call_goes_on(
         ({"spacing": 0.01}, "spacing"),
         ({"spacing": 20.0, "directions": -1}, "directions"),
         ({"spacing": 20.0, "within": 0.1}, "within"),
-        ({"spacing": 20.0, "directions": [[0.0, 0.0, 0.0]]}, "directions"),
+        ({"spacing": 20.0, "directions": [[0.0, 0.0, 0.0]]}, "directions[0]"),
         ({"low": (0, 0, 0), "high": (-1, 0, 0)}, "high"),
         ({"low": (1, 1, 1), "high": (2, 2, 2), "spacing": 20.0}, "spacing"),
         ({"workers": 0}, "workers"),
@@ -150,5 +151,4 @@ def test_wherever_it_ends_the_same_call_goes_on(
     ],
 )
 def test_wrong_arguments_are_refused(options: dict[str, object], key: str) -> None:
-    with pytest.raises(sn.InputError, match=rf"^{key}"):
-        sn.studies.reach(ROBOT, None, **options)  # type: ignore[arg-type]
+    refused(key, lambda: sn.studies.reach(ROBOT, None, **options))  # type: ignore[arg-type]

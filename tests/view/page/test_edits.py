@@ -178,24 +178,21 @@ class Model:
             event()
 
 
-def test_what_a_person_puts_there_stays_until_it_is_handled() -> None:
+@pytest.mark.parametrize("meanwhile", [False, True])
+def test_what_a_person_puts_there_before_or_while_fields_are_refreshed_stays_until_it_is_handled(
+    meanwhile: bool,
+) -> None:
     model = Model()
-    model.handle.put(3.0)
+    if meanwhile:
+        model.meanwhile = lambda: model.handle.put(3.0)
+    else:
+        model.handle.put(3.0)
     model.fields.refresh()
+    model.meanwhile = lambda: None
     assert (model.handle.value, model.number) == (3.0, 1.0)
     model.handled()
     model.fields.refresh()
     assert (model.handle.value, model.number) == (3.0, 3.0)
-
-
-def test_what_a_person_puts_there_while_fields_are_refreshed_is_not_lost() -> None:
-    model = Model()
-    model.meanwhile = lambda: model.handle.put(4.0)
-    model.fields.refresh()
-    model.meanwhile = lambda: None
-    model.handled()
-    model.fields.refresh()
-    assert (model.handle.value, model.number) == (4.0, 4.0)
 
 
 def test_what_was_refused_vanishes() -> None:

@@ -19,6 +19,7 @@ import sinuous as sn
 from benchmarks.harness import Goal, Line, Part, Plan, Times, timed
 from benchmarks.places import solids
 from benchmarks.places.parts import about_z
+from benchmarks.problems import direction
 from sinuous.answer.derivatives.derivative import derivative_of
 from sinuous.answer.derivatives.parameters import GROUPS, circles_of
 from sinuous.base.arguments import LoadParameter, Parameter
@@ -52,14 +53,6 @@ def answer(asked: Question) -> sn.Solution:
     return solver_for(problem).solve(list(problem.targets), q)
 
 
-def unit(rng: Generator, across: Floats | None = None) -> Floats:
-    """Return a random direction (3,), across another one where that is given."""
-    direction: Floats = rng.normal(size=3)
-    if across is not None:
-        direction -= direction @ across * across
-    return direction / np.linalg.norm(direction)
-
-
 def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> sn.Robot:
     """Return a robot in any unit, anywhere: 2 to 6 segments, some of which stretch, some with a tool."""
     size = 10.0 ** rng.uniform(-2.0, 3.0)
@@ -70,13 +63,9 @@ def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> sn.
         tendons = sn.Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None
         chambers = sn.Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None
         segments.append(sn.Segment(span, rng.uniform(2.0, 3.0), None, thick * size, tendons, chambers))
-    tool = _pose(0.3 * size, rng) if rng.random() < 0.5 else None
-    return sn.Robot(segments, base=_pose(2.0 * size, rng), tool=tool)
-
-
-def _pose(size: float, rng: Generator) -> Floats:
-    turn = rng.normal(size=4)
-    return sn.pose(size * rng.normal(size=3), xyzw=turn)
+    tool = sn.pose(xyzw=rng.normal(size=4), position=0.3 * size * rng.normal(size=3)) if rng.random() < 0.5 else None
+    base = sn.pose(xyzw=rng.normal(size=4), position=2.0 * size * rng.normal(size=3))
+    return sn.Robot(segments, base=base, tool=tool)
 
 
 def random_shape(robot: sn.Robot, rng: Generator) -> Floats:
@@ -164,7 +153,9 @@ def touching(kind: str, rng: Generator, apart: float = 0.0) -> Question:
     part = q.copy()
     part[k] *= s
     here = robot.forward(part)[k]
-    normal = unit(rng, here[:3, 2])
+    normal, tangent = rng.normal(size=3), here[:3, 2]
+    normal -= normal @ tangent * tangent
+    normal /= np.linalg.norm(normal)
     away = robot.radii[k] + (MARGIN + apart) * robot.mean_length
     size = 2.0 * float(rng.uniform(0.1, 0.4)) * q[k, 2] * np.array(SIZES.get(kind, (1.0, 1.0, 1.0)))
     turn = least_rotation(normal) @ about_z(rng.uniform(0.0, 2.0 * np.pi))[:3, :3]
@@ -228,7 +219,7 @@ def preferred(shape: str, rng: Generator) -> tuple[sn.Solution, sn.Preferences, 
     robot = random_robot(rng, lines=True)
     robot = robot.changed(segments=[each.changed(max_bend=3.5) for each in robot.segments])
     low, high = robot.limits[:, :2].T
-    ways = np.array([unit(rng)[:2] for _ in range(len(robot))])
+    ways = np.array([direction(rng)[:2] for _ in range(len(robot))])
     q = np.column_stack([ways, low + rng.uniform(0.2, 0.8, len(robot)) * (high - low)])
     q[:, :2] *= rng.uniform(*SHAPES[shape], (len(robot), 1)) / np.linalg.norm(q[:, :2], axis=1, keepdims=True)
     asked = q + 0.02 * rng.normal(size=q.shape) * robot.limits[:, [5, 5, 6]]

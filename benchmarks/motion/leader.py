@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Plan, Times, timed
 from benchmarks.judges.clearances import GRACE
-from benchmarks.judges.judge import overlap
+from benchmarks.judges.judge import overlap, samples
 from benchmarks.judges.kinematics import body_places, body_points, moving
 from sinuous.base.checks import Floats
 from sinuous.statics.rest import bodies_at
@@ -133,9 +133,7 @@ def tunnel(curve: Floats, away: float) -> list[sn.Sphere]:
 
 def _bodies(robot: sn.Robot, motion: sn.Motion) -> tuple[sn.Robot, Floats]:
     """The body at the knots of a motion and between them, at rest where it is loaded, and its configurations."""
-    knots = motion.configuration
-    at = np.arange((len(knots) - 1) * BETWEEN + 1) / BETWEEN
-    q = motion.at(np.interp(at, np.arange(len(knots)), motion.times))
+    q = samples(motion.configuration, BETWEEN)
     return (robot, q) if robot.joints else bodies_at(robot, q)
 
 

@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 
 import sinuous as sn
-from benchmarks.harness import Experiment, Line, Plan, Trial, divided, listed, number, refuted, solved_within, timed
+from benchmarks.harness import Experiment, Line, Plan, Trial, divided, missed, number, refuted, solved_within, timed
 from benchmarks.judges.judge import IMPOSSIBLE
 from benchmarks.places import FAMILIES, make
 from benchmarks.places.place import right
@@ -99,7 +99,7 @@ def lines_of(family: str, trials: Sequence[Trial]) -> Iterator[Line]:
     median = PUBLISHED_MEDIAN if own.published else NARROW_MEDIAN if "1.3" in family else MEDIAN
     wanted = {"median": median, "p95": TAIL, "worst": WORST}
     late = [f"{name} over {number(most, 'ms')}" for name, most in wanted.items() if getattr(line.times, name) > most]
-    failed = listed([f"{trial.number} ({trial.status})" for trial in trials if not trial.good(LIMIT)])
+    failed = missed(trials, LIMIT)
     yield replace(line, note="; ".join([*late, *([f"not solved: {failed}"] if failed else [])]))
 
 

@@ -169,8 +169,8 @@ def counted(
     planned: str, false: str, what: str, trials: Sequence[Trial], limit: float, share: float | None = None
 ) -> Iterator[Line]:
     """Count what is planned within the limit (s), of which a share (%) may be wanted, and what a judge refutes."""
-    missed = listed([f"{trial.number} ({trial.status})" for trial in trials if not trial.good(limit)])
-    yield solved_within(limit, planned, what, trials, share, f"not within {limit:g} s: {missed}" if missed else "")
+    names = missed(trials, limit)
+    yield solved_within(limit, planned, what, trials, share, f"not within {limit:g} s: {names}" if names else "")
     yield refuted(false, what, {"": trials})
 
 
@@ -181,6 +181,11 @@ def solved_within(
     good, goal = sum(trial.good(limit) for trial in trials), None if share is None else Goal(share, at_most=False)
     times = Times.of([trial.seconds for trial in trials])
     return Line(section, what, 100.0 * good / len(trials), "%", goal, times, (good, len(trials)), note)
+
+
+def missed(trials: Sequence[Trial], limit: float) -> str:
+    """Name what is not solved within the limit (s) or found wrong, each with what is wrong, or else its status."""
+    return listed([f"{trial.number} ({trial.wrong or trial.status})" for trial in trials if not trial.good(limit)])
 
 
 def refuted(false: str, what: str, found: Mapping[str, Sequence[Trial]]) -> Line:

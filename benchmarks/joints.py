@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 import sinuous as sn
-from benchmarks.harness import Goal, Line, Part, Plan, Times
+from benchmarks.harness import Goal, Line, Part, Plan, Times, Trial, refuted
 from benchmarks.judges.judge import right, wrong_at
 from benchmarks.judges.kinematics import link_poses, moving
 from benchmarks.mbm import panda
@@ -90,8 +90,8 @@ FAMILIES = (
 def measure(plan: Plan, family: Family) -> Iterator[Line]:
     """Solve poses of a family."""
     robot, rng, count = family.robot(), np.random.default_rng(plan.seed), plan.count(1000, 2)
-    seconds, wrong, asked = list[float](), list[str](), 0
-    while asked < count:
+    trials = list[Trial]()
+    while len(trials) < count:
         q = draw_jointed(robot, 1, 1.0, rng)[0]
         scene = sn.Scene()
         if family.spheres:
@@ -99,20 +99,18 @@ def measure(plan: Plan, family: Family) -> Iterator[Line]:
             scene = sn.Scene([sn.Sphere(center, SPHERE) for center in centers])
             if wrong_at(robot, scene, q[None]):
                 continue  # nobody knows then whether the pose can be reached
-        asked += 1
         (target,) = tip_targets(robot, q[None], "rotation")
         solver = sn.Solver(robot, scene, tolerance=TOLERANCE)
         runs = [solver.solve(target) for _ in range(RUNS)]
         found = runs[0].configuration[None]
-        if not runs[0].solved:
-            continue
-        seconds.append(min(each.seconds for each in runs))
-        if why := wrong_at(robot, scene, found) or "pose" * (not right(robot, [target], found, TOLERANCE).all()):
-            wrong.append(why)
+        wrong = ""
+        if runs[0].solved:
+            wrong = wrong_at(robot, scene, found) or "pose" * (not right(robot, [target], found, TOLERANCE).all())
+        trials.append(Trial(len(trials), min(each.seconds for each in runs), str(runs[0].status), wrong))
+    seconds = [trial.seconds for trial in trials if trial.good(math.inf)]
     times = Times.of(seconds or [math.nan])
     yield Line(SECTION, family.name, times.median, "us", Goal(family.goal), times, (len(seconds), count))
-    note = ", ".join(wrong)
-    yield Line(SECTION, f"{family.name}: wrong", len(wrong), "", Goal(0, correctness=True), note=note)
+    yield refuted(SECTION, f"{family.name}: wrong", {"": trials})
 
 
 def led_along(robot: sn.Robot, count: int, rng: np.random.Generator) -> Iterator[Led]:

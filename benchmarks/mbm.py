@@ -20,7 +20,7 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import sinuous as sn
-from benchmarks.harness import Experiment, Line, Plan, Times, Trial, conduct, divided, refuted, require
+from benchmarks.harness import Experiment, Line, Plan, Times, Trial, conduct, divided, missed, refuted, require
 from benchmarks.judges.judge import right, wrong_in
 from benchmarks.problems import tip_targets
 from benchmarks.ways import measured
@@ -132,13 +132,11 @@ def examine(robot: str, seed: int, problem: Problem) -> Planned:
     motions, number = [], problem["problem"]
     for _ in range(RUNS):
         asked = ROBOTS[robot](problem)
-        start: sn.Solution | Floats
-        if isinstance(asked.start, sn.Target):
-            start = sn.solve(asked.robot, asked.start, asked.scene, seed=seed)
+        start: sn.Target | sn.Solution | Floats = asked.start
+        if isinstance(start, sn.Target):
+            start = sn.solve(asked.robot, start, asked.scene, seed=seed)
             if not start.solved:
                 return Planned(Trial(number, math.inf, f"start {start.status}"))
-        else:
-            start = asked.start
         if why := _outside(asked):
             return Planned(Trial(number, math.inf, why))
         plan = partial(sn.plan, time=PATIENCE * LIMIT, seed=seed)
@@ -170,9 +168,9 @@ def _wrong(asked: Asked, motion: sn.Motion) -> str:
 def lines_of(name: str, planned: Sequence[Planned]) -> Iterator[Line]:
     """Sum up a scenario: what is planned in time, and how long its paths are; times are those of such plans."""
     good = [each for each in planned if each.trial.good(LIMIT)]
-    missed = [f"{trial.number} ({trial.wrong or trial.status})" for trial, _ in planned if not trial.good(LIMIT)]
+    names = missed([each.trial for each in planned], LIMIT)
     times = Times.of([each.trial.seconds for each in good] or [math.nan])
-    solved, note = (len(good), len(planned)), f"not solved, or not valid: {', '.join(missed)}" if missed else ""
+    solved, note = (len(good), len(planned)), f"not solved, or not valid: {names}" if names else ""
     yield Line(PLANNED, name, 100.0 * len(good) / len(planned), "%", None, times, solved, note)
     costs = Times.of([each.cost for each in good] or [math.nan])
     yield Line(COSTS, f"{name}, median", costs.median, "m")

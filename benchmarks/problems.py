@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
@@ -29,22 +29,17 @@ class ProblemSet:
     scene: sn.Scene
     tolerance: sn.Tolerance
 
-    def with_tolerance(self, tolerance: sn.Tolerance) -> "ProblemSet":
-        """Return the same problems, to be met more or less exactly."""
-        return ProblemSet(self.robot, self.targets, self.scene, tolerance)
+    def within(self, relative: float) -> "ProblemSet":
+        """Return the same problems, to be met to `relative` of the robot's mean length, and as many rad."""
+        return replace(self, tolerance=sn.Tolerance(relative * self.robot.mean_length, relative))
 
     def only(self, numbers: Iterable[int]) -> "ProblemSet":
         """Return some of the problems."""
-        return ProblemSet(self.robot, [self.targets[i] for i in numbers], self.scene, self.tolerance)
+        return replace(self, targets=[self.targets[i] for i in numbers])
 
     def right(self, q: Floats) -> Flags:
         """Judge one configuration a problem."""
         return right(self.robot, self.targets, q, self.tolerance, self.scene)
-
-
-def relative_tolerance(robot: sn.Robot, relative: float) -> sn.Tolerance:
-    """Allow `relative` of the robot's mean length, and as many rad."""
-    return sn.Tolerance(relative * robot.mean_length, relative)
 
 
 def arm(count: int, max_bend: float, radius: float = 0.0) -> sn.Robot:

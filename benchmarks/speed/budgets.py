@@ -12,7 +12,7 @@ from numpy.random import Generator
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Plan, Times
 from benchmarks.places import Place, make
-from benchmarks.problems import ProblemSet, among_spheres, arm, reachable, relative_tolerance
+from benchmarks.problems import ProblemSet, among_spheres, arm, reachable
 from benchmarks.wild.worlds import clutter
 from sinuous.methods.method import METHODS, capabilities
 
@@ -101,8 +101,7 @@ def _perhaps_torn(robot: sn.Robot, target: sn.Target, rng: Generator) -> sn.Targ
 
 def _free(plan: Plan, rng: Generator) -> list[ProblemSet]:
     """Arms of 5 to 60 segments, to be met exactly."""
-    sets = [reachable(arm(n, 12.0 / n), plan.count(200, 3), rng) for n in (5, 12, 30, 60)]
-    return [each.with_tolerance(relative_tolerance(each.robot, 1e-6)) for each in sets]
+    return [reachable(arm(n, 12.0 / n), plan.count(200, 3), rng).within(1e-6) for n in (5, 12, 30, 60)]
 
 
 def _spheres(_: Plan, rng: Generator) -> list[ProblemSet]:

@@ -25,7 +25,7 @@ from scipy.optimize import least_squares
 
 import sinuous as sn
 from benchmarks.harness import Goal, Line, Plan, Times, timed
-from benchmarks.problems import ProblemSet, arm, reachable, relative_tolerance
+from benchmarks.problems import ProblemSet, arm, reachable
 from sinuous.base.checks import Floats
 from sinuous.kernels.chain import batch
 from sinuous.kernels.compile import entry
@@ -163,8 +163,7 @@ def measure(plan: Plan) -> Iterator[Line]:
 
     Not one problem each in turn: then ours would run from cold caches, which cost it more than all of its arithmetic.
     """
-    drawn = reachable(arm(5, 2.4), plan.count(300, 10), plan.rng(5))
-    problems = drawn.with_tolerance(relative_tolerance(drawn.robot, 1e-6))
+    problems = reachable(arm(5, 2.4), plan.count(300, 10), plan.rng(5)).within(1e-6)
     solvers: dict[str, tuple[Solve, float]] = {
         "ours": (ours(problems), 1.0),
         "SciPy least_squares, trf": (by_least_squares(problems), 50.0),

@@ -4,15 +4,16 @@ Targets are random and reachable; or full poses that others publish, of three in
 robots among all kinds of obstacles, possible and not, of which claims are judged.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import Goal, Line, Plan, Times, in_processes, listed, timed
+from benchmarks.harness import Goal, Line, Plan, Times, Trial, in_processes, missed, refuted, solved_within, timed
 from benchmarks.judges.judge import Flags, within_limits
-from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable, relative_tolerance
+from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable
 from benchmarks.wild.worlds import clutter
 from sinuous.base.checks import Floats
 from sinuous.kernels.compile import entry
@@ -20,52 +21,34 @@ from sinuous.kernels.solve.search import search
 from sinuous.kernels.tables import SOLVED
 from sinuous.solver.solver import Solver
 
-
-@dataclass(frozen=True)
-class Answers:
-    """What came of m problems.
-
-    Attributes
-    ----------
-    seconds : ndarray (m,)
-        Around the call, solved or not.
-    claimed, confirmed : ndarray (m,) of bool
-        Whether the solver says solved, and whether the judge agrees with that.
-    """
-
-    seconds: Floats
-    claimed: Flags
-    confirmed: Flags
-
-    @property
-    def times(self) -> Times:
-        """Summary of the times of all problems."""
-        return Times.of(self.seconds)
-
-    @property
-    def solved(self) -> tuple[int, int]:
-        """How many were confirmed, of how many."""
-        return int(self.confirmed.sum()), len(self.confirmed)
-
-    @property
-    def complaint(self) -> str:
-        """Numbers of problems that are not confirmed, to begin a search with."""
-        failed = {"not solved": ~self.confirmed, "FALSE": self.claimed & ~self.confirmed}
-        return "; ".join(f"{what}: {listed(np.flatnonzero(own).tolist())}" for what, own in failed.items() if own.any())
+LIE, OUTSIDE = "false claim", "outside limits"
+"""What is wrong with an answer: the judge rejects what is called solved; or a limit is not kept, solved or not."""
 
 
-def solve_all(problems: ProblemSet) -> Answers:
-    """Solve every problem from cold, through `Solver.solve`, with the defaults of a user."""
-    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
+def solve_all(problems: ProblemSet, **options: Any) -> list[Trial]:
+    """Solve every problem from cold, through `Solver.solve`, by default as a user does, and judge the answers."""
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance, **options)
     solver.solve(problems.targets[0])
-    q, seconds, claimed = [], [], []
-    for target in problems.targets:  # solutions are not kept: collecting garbage among thousands takes 0.1 s
+    trials, shapes, said = list[Trial](), list[Floats](), list[bool]()
+    for number, target in enumerate(problems.targets):  # solutions are not kept: collecting thousands takes 0.1 s
         solution, spent = timed(solver.solve, target)
-        seconds.append(spent)
-        q.append(solution.q)
-        claimed.append(solution.solved)
-    said, found = np.array(claimed), np.array(q)
-    return Answers(np.array(seconds), said, said & problems.right(found))
+        trials.append(Trial(number, spent, str(solution.status)))
+        shapes.append(solution.q)
+        said.append(solution.solved)
+    claims, q = np.flatnonzero(said), np.array(shapes)
+    lies = claims[~problems.only(claims).right(q[claims])] if len(claims) else claims
+    wrong = {LIE: lies, OUTSIDE: np.flatnonzero(~within_limits(problems.robot, q))}
+    return [
+        trial._replace(wrong=", ".join(what for what, where in wrong.items() if trial.number in where))
+        for trial in trials
+    ]
+
+
+def answered(section: str, what: str, sets: Iterable[ProblemSet]) -> Line:
+    """Solve the problems of several sets, which are numbered by these; all should be solved, and found right."""
+    trials = [trial._replace(number=f"{i}.{trial.number}") for i, each in enumerate(sets) for trial in solve_all(each)]
+    line = solved_within(math.inf, section, what, trials, note=missed(trials, math.inf))
+    return replace(line, goal=Goal(100.0, at_most=False, correctness=True))
 
 
 SECTION = (
@@ -94,23 +77,15 @@ def measure(plan: Plan) -> Iterator[Line]:
     goals = Goal(15e-6), Goal(6e-6), Goal(35e-6), None
     for where, sets, called, inside in (("", free, *goals[:2]), (f"{SPHERES} spheres, ", crowded, *goals[2:])):
         for words, relative in TOLERANCES.items():
-            asked = [_at(problems, relative) for problems in sets]
+            asked = sets if relative is None else [problems.within(relative) for problems in sets]
             yield _called(asked, f"{where}Solver.solve, {words}", called)
             yield _inside(asked, f"{where}inside the kernel, {words}", inside)
 
 
-def _at(problems: ProblemSet, relative: float | None) -> ProblemSet:
-    if relative is None:
-        return problems
-    return problems.with_tolerance(relative_tolerance(problems.robot, relative))
-
-
 def _called(sets: list[ProblemSet], what: str, goal: Goal | None) -> Line:
-    answers = [solve_all(problems) for problems in sets]
-    times = Times.of([s for a in answers for s in a.seconds])
-    solved = sum(a.solved[0] for a in answers), sum(a.solved[1] for a in answers)
-    complaints = [f"scene {i}: {a.complaint}" for i, a in enumerate(answers) if a.complaint]
-    return Line(SECTION, what, times.median, "us", goal, times, solved, "; ".join(complaints))
+    line = answered(SECTION, what, sets)
+    assert line.times is not None
+    return replace(line, reached=line.times.median, unit="us", goal=goal)
 
 
 def _inside(sets: list[ProblemSet], what: str, goal: Goal | None) -> Line:
@@ -143,12 +118,8 @@ def _in_loop(problems: ProblemSet) -> tuple[Floats, Flags]:
 def reachable_targets(plan: Plan) -> Iterator[Line]:
     """Without obstacles, from the single arc on; all must be solved."""
     for n, max_bend in ARMS.items():
-        asked = _at(reachable(arm(n, max_bend), plan.count(10_000, 50), plan.rng(3, n)), 1e-6)
-        what = f"solved, {n} segments, bends to {max_bend}"
-        answers = solve_all(asked)
-        goal = Goal(100.0, at_most=False, correctness=True)
-        share = 100.0 * float(answers.confirmed.mean())
-        yield Line(REACHED, what, share, "%", goal, answers.times, answers.solved, answers.complaint)
+        asked = reachable(arm(n, max_bend), plan.count(10_000, 50), plan.rng(3, n)).within(1e-6)
+        yield answered(REACHED, f"solved, {n} segments, bends to {max_bend}", [asked])
 
 
 POSES = "full poses, three inextensible segments of length 1, numpy seeds 0 to 9, se(3) error below 1e-6"
@@ -156,12 +127,11 @@ POSES = "full poses, three inextensible segments of length 1, numpy seeds 0 to 9
 
 def poses(plan: Plan) -> Iterator[Line]:
     """All must be solved; then how fast. Both errors are below 0.7e-6, so their norm in se(3) is below 1e-6."""
-    runs = {seed: solve_all(full_poses(seed, plan.count(1000, 25))) for seed in range(plan.count(10, 2))}
-    times = Times.of(np.concatenate([run.seconds for run in runs.values()]))
-    solved = sum(run.solved[0] for run in runs.values()), times.count
-    failed = [f"seed {seed}: {run.complaint}" for seed, run in runs.items() if run.complaint]
-    goal = Goal(100.0, at_most=False, correctness=True)
-    yield Line(POSES, "solved", 100.0 * solved[0] / solved[1], "%", goal, times, solved, "; ".join(failed))
+    sets = (full_poses(seed, plan.count(1000, 25)) for seed in range(plan.count(10, 2)))
+    line = answered(POSES, "solved", sets)
+    times = line.times
+    assert times is not None
+    yield line
     yield Line(POSES, "median", times.median, "us", Goal(12e-6))
     yield Line(POSES, "p99", times.p99, "us", Goal(300e-6))
 
@@ -174,34 +144,16 @@ STARTS = 3
 """Starts of one solve: many answers, quickly, matter more here than that all are found."""
 
 
-class Tally(NamedTuple):
-    """Of one scene: claims, targets whose claim the judge rejects, and those whose answer is outside the limits."""
-
-    claimed: int
-    false: list[int]
-    outside: list[int]
-
-
-def examine(seed: int) -> Tally:
+def examine(seed: int) -> list[Trial]:
     """Solve and judge one scene; `clutter(seed, TARGETS)` makes it again."""
-    problems = clutter(seed, TARGETS)
-    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance, max_starts=STARTS)
-    solutions = [solver.solve(target) for target in problems.targets]
-    claims = np.flatnonzero([solution.solved for solution in solutions])
-    q = np.array([solution.q for solution in solutions])
-    lies = claims[~problems.only(claims).right(q[claims])] if len(claims) else claims
-    outside = np.flatnonzero(~within_limits(problems.robot, q))
-    return Tally(len(claims), lies.tolist(), outside.tolist())
+    return solve_all(clutter(seed, TARGETS), max_starts=STARTS)
 
 
 def false_claims(plan: Plan) -> Iterator[Line]:
     """Count false claims, and answers outside the limits."""
     seeds = range(1000 * plan.seed, 1000 * plan.seed + plan.count(1000, 5))
-    found = list(in_processes(examine, seeds, alone=plan.quick))
-    total = TARGETS * len(seeds)
-    for what, name in (("false claims", "false"), ("answers outside limits, solved or not", "outside")):
-        wrong = {seed: own for seed, tally in zip(seeds, found, strict=True) if (own := getattr(tally, name))}
-        count = sum(map(len, wrong.values()))
-        solved = (sum(tally.claimed for tally in found) - count, total) if name == "false" else None
-        note = "; ".join(f"clutter({seed}): {own[:5]}" for seed, own in list(wrong.items())[:5])  # to make them again
-        yield Line(CLAIMS, what, count, "", Goal(0, correctness=True), None, solved, note)
+    found = dict(zip(seeds, in_processes(examine, seeds, alone=plan.quick), strict=True))
+    solved = sum(trial.good(math.inf) for own in found.values() for trial in own), TARGETS * len(seeds)
+    for what, kind in (("false claims", LIE), ("answers outside limits, solved or not", OUTSIDE)):
+        wrong = {f"clutter({i})": [trial for trial in own if kind in trial.wrong] for i, own in found.items()}
+        yield replace(refuted(CLAIMS, what, wrong), solved=solved if kind == LIE else None)

@@ -224,8 +224,8 @@ def states_of(rests: Iterable[Rest]) -> tuple[Floats, ...]:
     return tuple(np.stack(part) for part in zip(*parts, strict=True))
 
 
-def refused(key: str, call: Callable[[], Any], *words: str) -> sn.InputError:
-    """Demand that a call is refused, in one line that names the key, and return the error."""
+def refused(key: str, call: Callable[[], Any], *words: str, file: Path | str = "") -> sn.InputError:
+    """Demand that a call is refused, in one line that names the key, after a file if one is given; return the error."""
     with pytest.raises(sn.InputError) as caught:
         call()
     error = caught.value
@@ -233,7 +233,7 @@ def refused(key: str, call: Callable[[], Any], *words: str) -> sn.InputError:
     assert error.key == key, text
     assert "\n" not in text
     assert len(text) < 400
-    assert text.startswith(f"{key}: ")
+    assert text.startswith(f"{file}: {key}: " if file else f"{key}: ")
     assert ("expected " in text and (error.value is None or ", got " in text)) or "did you mean " in text
     for word in words:
         assert word in text

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.base.errors import InputError
 from sinuous.scene.grids import MOST, Field, Grid
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, Floats, Unpickled, refused, refused_each, with_each
 
@@ -102,30 +101,23 @@ def test_files(tmp_path: Path) -> None:
 def test_wrong_files_are_refused(tmp_path: Path) -> None:
     good: dict[str, Any] = {"values": distances(), "origin": ORIGIN, "spacing": SPACING}
     file = tmp_path / "grid.npz"
-    for change, message in (
-        ({"values": None}, r"grid\.npz: values: missing; expected .* values, .*, got \['origin', 'spacing'\]"),
-        ({"spacing": None}, r"grid\.npz: spacing: missing; expected .*"),
-        ({"spacing": [0.5, 0.5, 0.6]}, r"grid\.npz: spacing: expected the same spacing along all axes"),
-        ({"spacing": True}, r"grid\.npz: spacing: expected a number greater than 0, got True"),
-        ({"values": distances()[0]}, r"grid\.npz: values: shape \(7, 8\); expected "),
-        ({"values": 9.0 * distances()}, r"grid\.npz: values: changes 9 times as fast"),
-        ({"origin": [0, 0]}, r"grid\.npz: origin: expected 3 finite numbers"),
+    for key, value, words in (
+        ("values", None, ("missing; expected ", " values, ", ", got ['origin', 'spacing']")),
+        ("spacing", None, ("missing; expected ",)),
+        ("spacing", [0.5, 0.5, 0.6], ("expected the same spacing along all axes",)),
+        ("spacing", True, (": expected a number greater than 0, got True",)),
+        ("values", distances()[0], ("shape (7, 8); expected ",)),
+        ("values", 9.0 * distances(), ("changes 9 times as fast",)),
+        ("values", np.array([Unpickled()], object), ("cannot be read; expected ", "Object arrays")),
+        ("origin", [0, 0], ("expected 3 finite numbers",)),
     ):
-        np.savez(file, **{key: value for key, value in (good | change).items() if value is not None})
-        with pytest.raises(InputError, match=message):
-            Grid.load(file)
+        np.savez(file, **{name: each for name, each in (good | {key: value}).items() if each is not None})
+        refused(key, lambda: Grid.load(file), *words, file=file)
     refused("file", lambda: Grid.load(tmp_path / "none.npz"), "No such file")
     refused("file", lambda: Grid.load(tmp_path / "grid.npy"), "ends in .npz")
     for content in (b"", b"no archive", b"PK\x03\x04 no archive either"):
         file.write_bytes(content)
         refused("file", lambda: Grid.load(file), "NPZ")
-
-
-def test_arrays_of_objects_are_never_unpickled(tmp_path: Path) -> None:
-    file = tmp_path / "evil.npz"
-    np.savez(file, values=np.array([Unpickled()], object), origin=ORIGIN, spacing=1.0)
-    with pytest.raises(InputError, match=r"evil\.npz: values: cannot be read; expected .*, got .*Object arrays.*"):
-        Grid.load(file)
 
 
 LOW, HIGH = (-1.0, -1.0, -2.0), (1.0, 1.5, 2.0)

@@ -122,8 +122,8 @@ def test_columns_are_told_by_their_names(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=told):
             load(content)
     refused_each("columns", ("xyz", (1, 2), (0, 1, 2), ("x", "y", 3), (1, 1, 2)), lambda c: load("1 2 3\n", columns=c))
-    with pytest.raises(InputError, match=r"scan\.csv: columns: there is no column 4; expected 2, 3, 4, got 'no names"):
-        load("1 2 3\n", columns=(2, 3, 4))
+    words = "there is no column 4; expected 2, 3, 4, got 'no names"
+    refused("columns", lambda: load("1 2 3\n", columns=(2, 3, 4)), words, file=tmp_path / "scan.csv")
 
 
 def test_points_that_are_not_finite_are_dropped_where_asked(tmp_path: Path) -> None:
@@ -181,8 +181,7 @@ def test_organised_arrays_and_headers(tmp_path: Path) -> None:
     pcd = header("ascii").replace(b"VIEWPOINT 0", b"VIEWPOINT 4") + b"1 2 3 0 0 0 0 0\n" * 50
     with pytest.warns(SuspiciousInput, match="its VIEWPOINT 4 0 0 1 0 0 0 changed nothing"):
         parse_pcd(pcd, "a.pcd")
-    with pytest.raises(InputError, match=r"a\.pcd: POINTS: WIDTH x HEIGHT is 100"):
-        parse_pcd(pcd.replace(b"HEIGHT 1", b"HEIGHT 2"), "a.pcd")
+    refuse(pcd.replace(b"HEIGHT 1", b"HEIGHT 2"), r"a\.pcd: POINTS: WIDTH x HEIGHT is 100")
 
 
 def test_arrays_of_objects_are_never_unpickled(tmp_path: Path) -> None:

@@ -151,25 +151,24 @@ def test_fields_are_ranges_lists_and_elements() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("key", "changes", "words"),
     [
-        ({"vary": {"segments.colour": [1]}}, r"^vary\.segments\.colour"),
-        ({"vary": {"segments.length": (2.0, 1.0)}}, r"^vary\['segments.length'\]: .*is empty"),
-        ({"vary": {"segments.length": []}}, r"^vary\['segments.length'\]: .*is empty"),
-        ({"vary": {}}, "^vary: "),
-        ({"minimise": "weight"}, "^minimise: .*actuators"),
-        ({"minimise": ("length", "length")}, "^minimise: .*twice"),
-        ({"minimise": "tension"}, "^minimise: .*stiffness"),
-        ({"robots": 0}, "^robots: "),
-        ({"budget": 0.0}, "^budget: "),
-        ({"template": "arm"}, "^template: "),
-        ({"tasks": []}, "^tasks: "),
+        ("vary.segments.colour", {"vary": {"segments.colour": [1]}}, ""),
+        ("vary['segments.length']", {"vary": {"segments.length": (2.0, 1.0)}}, "is empty"),
+        ("vary['segments.length']", {"vary": {"segments.length": []}}, "is empty"),
+        ("vary", {"vary": {}}, ""),
+        ("minimise", {"minimise": "weight"}, "actuators"),
+        ("minimise", {"minimise": ("length", "length")}, "twice"),
+        ("minimise", {"minimise": "tension"}, "stiffness"),
+        ("robots", {"robots": 0}, ""),
+        ("budget", {"budget": 0.0}, ""),
+        ("template", {"template": "arm"}, ""),
+        ("tasks", {"tasks": []}, ""),
     ],
 )
-def test_bad_input_is_refused(changes: dict[str, Any], told: str) -> None:
+def test_bad_input_is_refused(key: str, changes: dict[str, Any], words: str) -> None:
     given: dict[str, Any] = {"template": TEMPLATE, "tasks": TASKS, "vary": VARY, "minimise": "length", **changes}
-    with pytest.raises(sn.InputError, match=told):
-        sn.studies.design(**given)
+    refused(key, lambda: sn.studies.design(**given), words)
 
 
 def test_generations_stay_within_the_ranges() -> None:

@@ -8,11 +8,6 @@ from tests.helpers import refused
 from tests.methods import laws
 
 
-def test_the_papers_four_poses() -> None:
-    solver = sn.Solver(laws.ARM, method="dls", tolerance=sn.Tolerance(1e-3, 1e-4))
-    assert laws.solved_and_verified(solver, laws.PAPER) == 4
-
-
 @pytest.mark.parametrize("kind", ["position", "direction", "rotation"])
 def test_reachable_targets(kind: str) -> None:
     solver = sn.Solver(laws.ARM, method="dls")

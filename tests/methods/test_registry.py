@@ -46,6 +46,25 @@ def test_a_solved_answer_is_one(name: MethodName) -> None:
     assert solution.to_dict()["method"] == name
 
 
+@pytest.mark.parametrize(
+    ("method", "off", "turn"), [("fabrikc", 1e-3, 1e-6), ("slinki", 0.01, 1e-6), ("dls", 1e-3, 1e-4)]
+)
+def test_the_papers_poses_better_than_published(method: MethodName, off: float, turn: float) -> None:
+    """Published for the first two: within a millimetre, and no error of direction."""
+    solver = sn.Solver(laws.ARM, method=method, tolerance=sn.Tolerance(off, turn))
+    assert laws.solved_and_verified(solver, laws.PAPER) == 4
+
+
+@pytest.mark.parametrize(("method", "count", "least"), [("fabrikc", 100, 98), ("slinki", 50, 49)])
+@pytest.mark.parametrize("kind", ["position", "direction"])
+@pytest.mark.parametrize("max_bend", [1.2, 2.4])
+def test_reachable_targets_from_one_start(
+    method: MethodName, count: int, least: int, kind: str, max_bend: float
+) -> None:
+    solver = sn.Solver(laws.ARM, method=method, max_starts=1)
+    assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, count, max_bend, kind=kind)) >= least
+
+
 @pytest.mark.parametrize("method", ["dls", "fabrikc", "fabrik_avoid"])
 def test_limits_and_starts_and_obstacles(method: MethodName) -> None:
     laws.keeps_its_limits(method, laws.LIMITED)

@@ -1,25 +1,11 @@
 """SLInKi as a method."""
 
 import numpy as np
-import pytest
 
 import sinuous as sn
 from sinuous.methods.slinki import Slinki
 from tests.helpers import refused
 from tests.methods import laws
-
-
-def test_the_papers_poses_better_than_published() -> None:
-    """Published for the first two: within a millimetre, and no error of direction."""
-    solver = sn.Solver(laws.ARM, method="slinki", tolerance=sn.Tolerance(0.01, 1e-6))
-    assert laws.solved_and_verified(solver, laws.PAPER) == 4
-
-
-@pytest.mark.parametrize("kind", ["position", "direction"])
-@pytest.mark.parametrize("max_bend", [1.2, 2.4])
-def test_reachable_targets(kind: str, max_bend: float) -> None:
-    solver = sn.Solver(laws.ARM, method="slinki", max_starts=1)
-    assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 50, max_bend, kind=kind)) >= 49
 
 
 def test_it_goes_round_obstacles() -> None:

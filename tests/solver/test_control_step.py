@@ -12,6 +12,7 @@ from sinuous.answer.step import CONSTRAINTS, Active
 from sinuous.kernels.velocity import layout
 from sinuous.kernels.velocity.active_set import GAIN, LEAST_DAMPING
 from sinuous.kernels.velocity.bounds import RATE_INSET
+from sinuous.model.rates import Changes
 from tests.helpers import Floats, present, with_each
 
 N = 5
@@ -309,23 +310,29 @@ def test_bad_input_is_refused_in_a_line(given: dict[str, Any], words: str) -> No
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_what_is_reached_within_changes_never_jumps(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    q, rates = shape(rng, 0.3), sn.Rates(bend=1.0, length=30.0)
-    target, ends = sn.Target((40.0, 30.0, 240.0)), []
-    for _ in range(80):
-        found = free_solver().solve(target, initial=q, within=rates * 0.02)
-        assert np.hypot(*(found.q - q)[:, :2].T).max() <= 0.02 * (1.0 + 1e-9)
-        assert np.abs(found.q - q)[:, 2].max() <= 0.6 * (1.0 + 1e-9)
+def reach_within(changes: Changes, solver: sn.Solver, target: sn.Target, q: Floats, most: int) -> list[Floats]:
+    """Demand that solves within changes come nearer each time, and to the target in the end; return the way there."""
+    way, ends = [q], list[float]()
+    for _ in range(most):
+        found = solver.solve(target, initial=way[-1], within=changes)
         ends.append(present(found.position_error))
-        q = found.q
+        way.append(found.q)
         if found.solved:
             break
         assert found.status is sn.Status.RATE_BOUND
     assert (np.diff(ends) < 0.0).all()
     assert found.solved
     assert found.verify().ok
+    return way
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_reached_within_changes_never_jumps(seed: int) -> None:
+    q, target = shape(np.random.default_rng(seed), 0.3), sn.Target((40.0, 30.0, 240.0))
+    way = reach_within(sn.Rates(bend=1.0, length=30.0) * 0.02, free_solver(), target, q, 80)
+    change = np.abs(np.diff(way, axis=0))
+    assert np.hypot(change[..., 0], change[..., 1]).max() <= 0.02 * (1.0 + 1e-9)
+    assert change[..., 2].max() <= 0.6 * (1.0 + 1e-9)
 
 
 def test_words_of_constraints_are_those_of_the_kernels() -> None:

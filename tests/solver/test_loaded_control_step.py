@@ -12,6 +12,7 @@ from sinuous.model.rates import Changes
 from sinuous.solver import loaded_control_step
 from sinuous.statics.rest import Rest, Way
 from tests.helpers import present, refused, states_of
+from tests.solver.test_control_step import reach_within
 from tests.solver.test_loaded_solve import Q, arm
 from tests.solver.test_loaded_solve import pulled as strong
 
@@ -126,23 +127,14 @@ def test_what_was_measured_corrects_the_loaded_model() -> None:
 
 
 def test_what_is_reached_within_changes_comes_to_the_target() -> None:
-    robot, rates, q, ends = arm(), sn.Rates(bend=2.0, length=0.05), Q, list[float]()
+    robot = arm()
     target, solver = sn.Target(robot.shape(GOAL).tip[:3, 3]), sn.Solver(robot, time=PATIENCE)
-    for _ in range(10):
-        found = solver.solve(target, initial=q, within=rates * 0.04)
-        change = np.abs(found.q - q)
-        assert np.hypot(change[:, 0], change[:, 1]).max() <= 0.08
-        assert change[:, 2].max() <= 0.002
-        assert sn.Motion(robot, [q, found.q]).solved
-        ends.append(present(found.position_error))
-        q = found.q
-        if found.solved:
-            break
-        assert found.status is sn.Status.RATE_BOUND
-    assert (np.diff(ends) < 0.0).all()
-    assert found.solved
-    assert found.verify().ok
-    assert len(ends) > 2
+    way = reach_within(sn.Rates(bend=2.0, length=0.05) * 0.04, solver, target, Q, 10)
+    change = np.abs(np.diff(way, axis=0))
+    assert np.hypot(change[..., 0], change[..., 1]).max() <= 0.08
+    assert change[..., 2].max() <= 0.002
+    assert sn.Motion(robot, way).solved
+    assert len(way) > 3
 
 
 def test_changes_among_obstacles_end_where_the_way_is_proved() -> None:

@@ -69,21 +69,27 @@ def workspace() -> tuple[Floats, Floats, Any]:
     return root, mean, bound
 
 
+@pytest.mark.parametrize("wished", [0.0, 1.0])
 @pytest.mark.parametrize("seed", range(10))
-def test_a_bound_segment_goes_to_its_bound_and_then_along_it(seed: int) -> None:
+def test_a_bound_segment_goes_to_its_bound_and_does_what_it_wishes_along_it(seed: int, wished: float) -> None:
+    """What is left of the wish is across what the segment can still do, in the metric of its scales."""
     rng = np.random.default_rng(seed)
     q, step = within(rng), rng.normal(size=(len(SEGMENTS), 3)) * rng.choice([0.1, 1.0, 10.0])
     free, _, _ = workspace()
     root, mean, bound = workspace()
+    wish = wished * rng.normal(size=mean.shape) * (np.diagonal(free.reshape(-1, 3, 3), axis1=1, axis2=2) > 0.0)
+    mean[:] = wish
     count = limits.bind(TABLE, q, step, root, mean, bound)
     assert count == np.count_nonzero(bound)
     for k in range(len(SEGMENTS)):
         aim = q[k] + step[k]
         low, high = SEGMENTS[k].length
         assert bool(bound[k]) == (excess(k, aim) > 1e-9)
-        L = root[k].reshape(3, 3)
+        D, L = np.linalg.pinv(free[k].reshape(3, 3)), root[k].reshape(3, 3)
+        np.testing.assert_allclose((D @ L).T @ D @ (wish[k] - mean[k]), 0.0, atol=1e-9)
         if not bound[k]:
             np.testing.assert_array_equal(L, free[k].reshape(3, 3))
+            np.testing.assert_array_equal(mean[k], wish[k])
             continue
         assert bool(bound[k] & 1) == (not low <= aim[2] <= high)
         normal = aim[:2] / np.hypot(*aim[:2])
@@ -102,20 +108,3 @@ def test_a_bound_segment_goes_to_its_bound_and_then_along_it(seed: int) -> None:
         lengthless = free[k].reshape(3, 3)[2, 2] == 0.0
         lost = int(bool(bound[k] & 1) and not lengthless) + int(bool(bound[k] & 2) and free_rank > 1)
         assert np.linalg.matrix_rank(L, tol=1e-12) == max(0, free_rank - lost)
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_what_a_bound_segment_wishes_it_does_along_its_bound(seed: int) -> None:
-    """What is left of the wish is across what the segment can still do, in the metric of its scales."""
-    rng = np.random.default_rng(seed)
-    q, step = within(rng), rng.normal(size=(len(SEGMENTS), 3)) * rng.choice([0.1, 1.0, 10.0])
-    free, _, _ = workspace()
-    root, mean, bound = workspace()
-    wish = rng.normal(size=mean.shape) * (np.diagonal(free.reshape(-1, 3, 3), axis1=1, axis2=2) > 0.0)
-    mean[:] = wish
-    limits.bind(TABLE, q, step, root, mean, bound)
-    for k in range(len(SEGMENTS)):
-        D, L = np.linalg.pinv(free[k].reshape(3, 3)), root[k].reshape(3, 3)
-        if not bound[k]:
-            np.testing.assert_array_equal(mean[k], wish[k])
-        np.testing.assert_allclose((D @ L).T @ D @ (wish[k] - mean[k]), 0.0, atol=1e-9)

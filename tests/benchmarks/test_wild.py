@@ -93,7 +93,7 @@ def test_what_is_late_or_false_is_not_solved(monkeypatch: pytest.MonkeyPatch) ->
     part = experiment.tallied(lambda number: world([]), range(7, 8))
     within, false = experiment.lines_of("s", "w", 99.97, part)
     assert (within.solved, within.held) == ((2, 4), False)
-    assert within.note == "not within 1 s: 7.2 (solved), 7.3 (solved)"
+    assert within.note == "not within 1 s: 7.2 (solved), 7.3 (overlap)"
     assert (false.reached, false.held, false.note) == (1, False, "7.3 (overlap)")
 
 

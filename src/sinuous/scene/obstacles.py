@@ -27,7 +27,6 @@ from sinuous.kernels.tables import (
     CYLINDER,
     HALF_EXTENTS,
     HALF_SPACE,
-    KIND,
     MANY_OBSTACLES,
     ROUNDING_RADIUS,
     SPHERE,
@@ -220,10 +219,16 @@ class Primitive(Obstacle):
     def frame(self) -> Frame:
         """Where it is, how it is turned, and how far it extends along its own axes."""
 
+    @staticmethod
+    def _half_sizes(axes: Floats, half: Floats) -> Floats:
+        """Half sizes (m, 3) of boxes about some of this kind that are not rounded: with these axes and half extents."""
+        sizes: Floats = (np.abs(axes) @ half[:, :, None])[:, :, 0]
+        return sizes
+
     @property
     def _box(self) -> Floats | None:
         center, rotation, half, rounding = self.frame
-        return box_around(center[None], np.abs(rotation) @ half + rounding)
+        return box_around(center[None], self._half_sizes(rotation[None], half[None])[0] + rounding)
 
     @property
     def row(self) -> Floats:
@@ -397,17 +402,11 @@ class Cylinder(Primitive):
         """See `Primitive.frame`."""
         return _along(self.start, self.end, self.radius)
 
-    @property
-    def _box(self) -> Floats:
-        center, rotation, half, _ = self.frame
-        return box_around(center[None], _half_sizes_of_cylinders(rotation[None], half[None])[0])
-
-
-def _half_sizes_of_cylinders(axes: Floats, half: Floats) -> Floats:
-    """Half sizes (m, 3) of boxes about cylinders, from their axes (m, 3, 3) and half extents (m, 3) along these."""
-    disks = half[:, :1] * np.hypot(axes[:, :, 0], axes[:, :, 1])
-    sizes: Floats = disks + half[:, 2:] * np.abs(axes[:, :, 2])
-    return sizes
+    @staticmethod
+    def _half_sizes(axes: Floats, half: Floats) -> Floats:
+        disks = half[:, :1] * np.hypot(axes[:, :, 0], axes[:, :, 1])
+        sizes: Floats = disks + half[:, 2:] * np.abs(axes[:, :, 2])
+        return sizes
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -488,14 +487,17 @@ def rows_of(obstacles: Sequence[Primitive]) -> Floats:
 
 def boxes_of(obstacles: Sequence[Obstacle]) -> dict[int, Floats]:
     """Opposite corners (2, 3) of boxes about obstacles that end somewhere, by their number; of many together."""
-    exact = [i for i in indices_of(Primitive, obstacles) if type(obstacles[i])._box in (Primitive._box, Cylinder._box)]
+    exact = [i for i in indices_of(Primitive, obstacles) if type(obstacles[i])._box is Primitive._box]
     if len(exact) < MANY_OBSTACLES:
         return {i: box for i, own in enumerate(obstacles) if (box := own._box) is not None}
-    rows = rows_of([obstacles[i] for i in exact])  # type: ignore[misc]  # these are primitives
+    primitives: list[Any] = [obstacles[i] for i in exact]
+    rows = rows_of(primitives)
     axes, half = rows[:, AXES : AXES + 9].reshape(-1, 3, 3), rows[:, HALF_EXTENTS : HALF_EXTENTS + 3]
-    extents = np.einsum("mij,mj->mi", np.abs(axes), half) + rows[:, ROUNDING_RADIUS, None]
-    cylinders = rows[:, KIND] == CYLINDER
-    extents[cylinders] = _half_sizes_of_cylinders(axes[cylinders], half[cylinders])
+    extents = np.repeat(rows[:, ROUNDING_RADIUS, None], 3, axis=1)
+    kinds: set[Any] = set(map(type, primitives))
+    for kind in kinds:
+        own = indices_of(kind, primitives)
+        extents[own] += kind._half_sizes(axes[own], half[own])
     centers = rows[:, CENTER : CENTER + 3]
     boxes = dict(zip(exact, np.stack([centers - extents, centers + extents], axis=1), strict=True))
     others = set(range(len(obstacles))) - set(exact)

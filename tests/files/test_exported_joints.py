@@ -73,6 +73,7 @@ def test_servos_lead_joints_to_their_values(tmp_path: Path) -> None:
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     ALONE.to_urdf(tmp_path / "arm.urdf")
+    assert "does not keep" not in (tmp_path / "arm.urdf").read_text()  # limits of joints are kept as they are
     again = sn.Robot(joints=sn.read_joints(tmp_path / "arm.urdf", tip="tool"))
     assert again.joint_names == ALONE.joint_names
     moving = [joint for joint in again.joints if not isinstance(joint, Fixed)]

@@ -34,6 +34,7 @@ from sinuous.base.errors import InputError
 from sinuous.base.frozen import Frozen, call
 from sinuous.kernels.packing import BendLine
 from sinuous.model.joints import Fixed, LinkCapsule, Prismatic
+from sinuous.model.limits import OF_ONE_SEGMENT
 from sinuous.model.poses import pose
 
 if TYPE_CHECKING:
@@ -351,8 +352,10 @@ def robot_element(chain: JointChain) -> Element:
 def note_limits(root: Element, robot: "Robot", kept: Set[str]) -> None:
     """Say in a file which kinds of limits of the robot it does not keep, but for those `kept`."""
     tensions = {"tension"} if np.isfinite(robot.limit_set.tensions).any() else set()
-    left = ", ".join(sorted((robot.limit_set.kinds | tensions) - kept))
-    root.append(Comment(f" Joints are limited one by one, which does not keep limits of {left}: see robot.violations "))
+    exact = kept if robot.segments else kept | OF_ONE_SEGMENT  # limits of joints are kept as they are
+    if left := ", ".join(sorted((robot.limit_set.kinds | tensions) - exact)):
+        problem = f"Joints are limited one by one, which does not keep limits of {left}"
+        root.append(Comment(f" {problem}: see robot.violations "))
 
 
 def _link(root: Element, name: str, link: Link, thin: float) -> None:

@@ -162,9 +162,9 @@ class InputError(ValueError):
     """Input that cannot be meant, in one line: `KEY: PROBLEM; expected EXPECTED, got VALUE`.
 
     In front stands the file that holds the key, when it came from one; of a file that is wrong itself, no more than its
-    name. The problem is left out where the rest says it;
-    a value that is `None` is missing, or left out where there is another problem. Of a name that is not known, the one
-    that is meant may be what was expected: `did you mean 'length'?`.
+    name. The problem is left out where the rest says it; a value that is `None` is missing, or left out where there is
+    another problem. Of a name that is not known, the one that is meant may be what was expected: `did you mean
+    'length'?`.
 
     Attributes
     ----------

@@ -41,8 +41,8 @@ _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
 _DEEP = "exceeded maximum nesting depth"
 """What recent versions of libyaml say where values stand too deeply in one another."""
 
-# How libyaml begins to say, at the end of a text, that something is still open.
 _UNCLOSED = ("did not find expected node content", "did not find expected ','", "found unexpected end of stream")
+"""How libyaml begins to say, at the end of a text, that something is still open."""
 
 MOST_REPEATED = 100_000
 """Values that all aliases of a document may stand for together: nested aliases multiply."""

@@ -14,8 +14,7 @@ Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", 
 left out. `twist` (m, 6) is `a`, seen from the end of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`,
 for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up to this segment, for HARD: actuators that run through
 several segments see no more than that. Any other row `c . dq` is added after the sweeps, see `step.coupling`. `value`
-(m,). The sweeps fill `gain` (m, 13), whose last is the inverse of the
-variance, and `innovation` (m,).
+(m,). The sweeps fill `gain` (m, 13), whose last is the inverse of the variance, and `innovation` (m,).
 """
 
 END, INNER, HARD, IDLE, SOFT = 0, 1, 2, 3, 4
